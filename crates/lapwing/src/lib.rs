@@ -1,0 +1,1 @@
+//! Lapwing as a library: a specification, a monitor, a session over a recording.

@@ -1,0 +1,1 @@
+//! What becomes of a verdict: reports as text, JSON, NDJSON and JUnit.

@@ -1,0 +1,1 @@
+//! Recordings and message definitions: files of many formats in, decoded fields out.

@@ -1,0 +1,21 @@
+//! What flows through Lapwing: time, values, message schemas and verdicts.
+//!
+//! Every connector (a recording, a live robot, a program, a simulator) speaks in these types, and so does the engine.
+//! The crate needs an allocator and nothing else; it knows no file, no clock and no text format.
+
+#![no_std]
+#![forbid(unsafe_code)]
+
+extern crate alloc;
+
+mod time;
+mod value;
+mod sample;
+mod schema;
+mod verdict;
+
+pub use sample::{Sample, What};
+pub use schema::{Constant, Field, Schema, Type};
+pub use time::{Duration, Time};
+pub use value::{Name, Value};
+pub use verdict::Verdict;
