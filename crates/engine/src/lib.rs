@@ -1,1 +1,40 @@
-//! The monitors: an immutable program, a state owned by the caller, and the step between two instants.
+//! The monitors.
+//!
+//! A [`Program`] is what a checked specification compiles to: immutable, shareable. A [`State`] belongs to the caller: cloning it is
+//! a snapshot, and stepping the clone gives the verdicts that stepping the original would have given.
+//!
+//! The way through a sample, from the outside in:
+//!
+//! 1. [`State::feed`] keeps time: jumps, the clock of the specification, deadlines in their order ([`mod@feed`]).
+//! 2. At an instant the signals have their latest values ([`inputs`]), then the machines move ([`machine`]).
+//! 3. Each [`Group`](program::Group) of properties with the same positions steps its past operators ([`past`]), then its graph of
+//!    future operators ([`future`]), whose decisions end obligations ([`tracker`]).
+//!
+//! There is no I/O here, no clock, no thread, no randomness and no iteration in hash order: time comes with the sample, and
+//! [`State::next_deadline`] tells a live caller when to wake up. After warm-up a step does not allocate.
+
+#![no_std]
+#![forbid(unsafe_code)]
+
+extern crate alloc;
+
+pub mod program;
+
+pub mod feed;
+mod functions;
+mod future;
+mod group;
+pub mod inputs;
+mod machine;
+mod node;
+pub mod outcome;
+mod past;
+mod runs;
+mod times;
+mod tracker;
+mod world;
+
+pub use feed::{Ending, State};
+pub use functions::{compare, numeric};
+pub use outcome::{Episode, Observer, Outcome, Output};
+pub use program::Program;

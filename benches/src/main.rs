@@ -1,0 +1,82 @@
+//! `cargo run --release -p lapwing-benches [steps]`: ratios against hand-written loops, measured in one run.
+//!
+//! Absolute times are for orientation only: the machine is shared, so a ratio is taken from alternating runs, and the least of each
+//! side counts.
+
+mod timescales;
+
+use std::time::{Duration, Instant};
+
+use lapwing_diag::SourceMap;
+use lapwing_engine::{Ending, Program, State};
+use lapwing_stream::{Sample, Time, Value, Verdict, What};
+use timescales::{Property, Row};
+
+/// How often each side runs.
+const ROUNDS: usize = 5;
+
+fn main() {
+    let steps = std::env::args().nth(1).and_then(|s| s.parse().ok()).unwrap_or(300_000);
+    println!("W1, {steps} steps: nanoseconds a step by hand and by the engine, and their ratio\n");
+    println!("{:<12} {:>6}   {:>8} {:>8} {:>6}   {:>8} {:>8} {:>6}", "", "bound", "sat hand", "engine", "ratio", "rnd hand", "engine", "ratio");
+    for property in Property::ALL {
+        for bound in [10, 100, 1000, 10_000] {
+            let sat = compare(property, bound, &property.satisfying(bound, steps));
+            let rnd = compare(property, bound, &timescales::random(steps));
+            println!(
+                "{:<12} {bound:>6}   {:>8.1} {:>8.1} {:>6.1}   {:>8.1} {:>8.1} {:>6.1}",
+                format!("{property:?}"), sat.hand, sat.engine, sat.engine / sat.hand, rnd.hand, rnd.engine, rnd.engine / rnd.hand
+            );
+        }
+    }
+}
+
+/// Nanoseconds a step.
+struct Timing {
+    hand: f64,
+    engine: f64,
+}
+
+fn compare(property: Property, bound: u32, rows: &[Row]) -> Timing {
+    let program = program(&property.formula(bound));
+    let cells: Vec<[Value; 4]> = rows.iter().map(|r| r.map(Value::Bool)).collect();
+    let per_step = |d: Duration| d.as_secs_f64() * 1e9 / rows.len() as f64;
+    let mut best = Timing { hand: f64::INFINITY, engine: f64::INFINITY };
+    for _ in 0..ROUNDS {
+        let start = Instant::now();
+        let bad = std::hint::black_box(property.by_hand(bound, std::hint::black_box(rows)));
+        best.hand = best.hand.min(per_step(start.elapsed()));
+        let mut state = State::new(&program);
+        let start = Instant::now();
+        for (t, cells) in cells.iter().enumerate() {
+            let sample = Sample { time: Time(t as i64 * 1_000_000), what: What::Row { cells } };
+            state.feed(&program, sample, &mut ());
+        }
+        best.engine = best.engine.min(per_step(start.elapsed()));
+        let outcome = &state.finish(&program, &Ending::default(), &mut ())[0];
+        assert_eq!(outcome.failed, bad, "{property:?} with bound {bound}: the engine and the loop by hand disagree");
+        assert_eq!(outcome.verdict == Verdict::Violated, bad > 0);
+    }
+    best
+}
+
+/// The program of a formula over the columns p, q, r, s.
+fn program(formula: &str) -> Program {
+    let mut sources = SourceMap::default();
+    let text = format!("holds: {formula}\n");
+    let file = sources.add("bench.rv", text.clone());
+    let parsed = lapwing_syntax::parse(file, &text);
+    let trace = lapwing_check::TraceShape {
+        columns: ["p", "q", "r", "s"].map(String::from).to_vec(),
+        schemaless: true,
+        ..Default::default()
+    };
+    let checked = lapwing_check::check(&sources, &parsed.file, &|_| None, Some(&trace));
+    let mut program = lapwing_check::compile::compile(&checked.spec);
+    // Cells come as p, q, r, s; the program wants only the columns that it reads, in its own order.
+    let wanted = &checked.spec.columns;
+    program.columns = ["p", "q", "r", "s"]
+        .map(|name| wanted.iter().position(|c| c == name).map_or(Vec::new(), |i| program.columns[i].clone()))
+        .to_vec();
+    program
+}

@@ -1,0 +1,157 @@
+//! Comparisons of an age with a constant: when, after a message, their value changes.
+
+use lapwing_engine::program::AgeFlips;
+use lapwing_stream::Duration;
+
+use super::{below, machine_exprs};
+use crate::checked::{self, Arith, Clock, Compare, Expr, Func, Kind};
+
+/// The flips that make instants for a property: those of its formula, and those of the machines that it reads.
+pub(crate) fn of_property(spec: &checked::Spec, property: &checked::Property, formula: &Expr) -> Vec<AgeFlips> {
+    let mut flips = of_expr(spec, formula);
+    for &machine in &property.machines {
+        merge(&mut flips, of_machine(spec, &spec.machines[machine]));
+    }
+    flips
+}
+
+/// The flips that make instants for a machine.
+pub(crate) fn of_machine(spec: &checked::Spec, machine: &checked::Machine) -> Vec<AgeFlips> {
+    let mut flips = Vec::new();
+    for e in machine_exprs(machine) {
+        merge(&mut flips, of_expr(spec, e));
+    }
+    flips
+}
+
+fn merge(into: &mut Vec<AgeFlips>, more: Vec<AgeFlips>) {
+    for flips in more {
+        if !into.contains(&flips) {
+            into.push(flips);
+        }
+    }
+}
+
+fn of_expr(spec: &checked::Spec, e: &Expr) -> Vec<AgeFlips> {
+    let mut flips = Vec::new();
+    if spec.clock != Clock::Events {
+        return flips;
+    }
+    below(e, &mut |e| match &e.kind {
+        Kind::Compare { op, margin, left, right } => {
+            let margin = margin.as_deref().map_or(Some(0.0), constant);
+            let found = match (&left.kind, &right.kind) {
+                (Kind::Age(topic), _) => constant(right).map(|c| (*topic, *op, c)),
+                (_, Kind::Age(topic)) => constant(left).map(|c| (*topic, turned(*op), c)),
+                _ => None,
+            };
+            if let (Some((topic, op, constant)), Some(margin)) = (found, margin) {
+                merge(&mut flips, vec![AgeFlips { topic, after: changes(op, constant, margin) }]);
+            }
+        }
+        Kind::InState { machine, .. } => {
+            if let Some(machine) = spec.machines.get(*machine) {
+                merge(&mut flips, of_machine(spec, machine));
+            }
+        }
+        _ => {}
+    });
+    flips
+}
+
+/// The comparison with its sides exchanged.
+fn turned(op: Compare) -> Compare {
+    match op {
+        Compare::Lt => Compare::Gt,
+        Compare::Le => Compare::Ge,
+        Compare::Gt => Compare::Lt,
+        Compare::Ge => Compare::Le,
+        same => same,
+    }
+}
+
+/// The value of an expression that names no signal.
+fn constant(e: &Expr) -> Option<f64> {
+    let value = match &e.kind {
+        Kind::Num(x) => *x,
+        Kind::Neg(of) => -constant(of)?,
+        Kind::Arith(op, l, r) => {
+            let (l, r) = (constant(l)?, constant(r)?);
+            match op {
+                Arith::Add => l + r,
+                Arith::Sub => l - r,
+                Arith::Mul => l * r,
+                Arith::Div => l / r,
+            }
+        }
+        Kind::Call(func, args) if !matches!(func, Func::Len | Func::Lookup | Func::MinOf | Func::MaxOf | Func::IsNan) => {
+            let args: Option<Vec<_>> = args.iter().map(constant).collect();
+            lapwing_engine::numeric(super::expr::func(*func), &args?)
+        }
+        _ => return None,
+    };
+    Some(value)
+}
+
+/// The distances from a message, from a nanosecond on, at which the comparison of the age differs from what it was just before.
+///
+/// The age only grows, so that a comparison is true in one stretch at most: its ends are found by bisection over whole nanoseconds,
+/// with the very arithmetic that evaluates it.
+fn changes(op: Compare, constant: f64, margin: f64) -> Vec<Duration> {
+    let age = |nanos: i64| Duration::from_nanos(nanos).seconds();
+    let holds = |nanos| lapwing_engine::compare(super::expr::compare(op), age(nanos), constant, margin);
+    let ends = match op {
+        Compare::Eq | Compare::Ne => {
+            let equal = |n: i64| lapwing_engine::compare(lapwing_engine::program::Compare::Eq, age(n), constant, margin);
+            let begins = first(|n| age(n) >= constant || equal(n));
+            let over = first(|n| age(n) > constant && !equal(n));
+            vec![begins, over]
+        }
+        _ => {
+            let before = holds(0);
+            vec![first(|n| holds(n) != before)]
+        }
+    };
+    let mut ends: Vec<i64> = ends.into_iter().flatten().filter(|&n| n > 0 && holds(n) != holds(n - 1)).collect();
+    ends.sort_unstable();
+    ends.dedup();
+    ends.into_iter().map(Duration::from_nanos).collect()
+}
+
+/// The first whole nanosecond at which a condition that stays true once it is holds.
+fn first(holds: impl Fn(i64) -> bool) -> Option<i64> {
+    let (mut lo, mut hi) = (0, i64::MAX / 4);
+    if !holds(hi) {
+        return None;
+    }
+    while lo < hi {
+        let middle = lo + (hi - lo) / 2;
+        if holds(middle) { hi = middle } else { lo = middle + 1 }
+    }
+    Some(lo)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn nanos(op: Compare, constant: f64, margin: f64) -> Vec<i64> {
+        changes(op, constant, margin).into_iter().map(Duration::nanos).collect()
+    }
+
+    #[test]
+    fn an_age_crosses_a_constant_once() {
+        assert_eq!(nanos(Compare::Lt, 0.1, 0.0), [100_000_000]);
+        assert_eq!(nanos(Compare::Le, 0.1, 0.0), [100_000_001]);
+        assert_eq!(nanos(Compare::Gt, 0.1, 0.0), [100_000_001]);
+        assert_eq!(nanos(Compare::Ge, 0.1, 0.0), [100_000_000]);
+        assert_eq!(nanos(Compare::Gt, -1.0, 0.0), []);
+    }
+
+    #[test]
+    fn equality_begins_and_ends() {
+        assert_eq!(nanos(Compare::Eq, 0.1, 0.0), [100_000_000, 100_000_001]);
+        assert_eq!(nanos(Compare::Ne, 1.0, 0.5), [500_000_000, 1_500_000_001]);
+        assert_eq!(nanos(Compare::Eq, 0.0, 0.5), [500_000_001]);
+    }
+}

@@ -1,0 +1,271 @@
+//! Expressions: flat nodes, equal ones shared, and the operators with a memory behind registers.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use lapwing_engine::program::{self as engine, Node, NodeId, Op, Positions};
+use lapwing_stream::Type;
+
+use crate::checked::{self, Connective, Expr, Kind};
+
+/// The expressions of one set of positions, as they are lowered.
+pub(crate) struct Lowering<'c> {
+    at: Positions,
+    nodes: BTreeMap<String, NodeId>,
+    ops: BTreeMap<String, u32>,
+    counters: &'c mut u32,
+    /// The counters of the comparisons lowered so far, equal ones included.
+    pub used: BTreeSet<u32>,
+}
+
+/// A [`Lowering`] at rest, between properties.
+#[derive(Default)]
+pub(crate) struct Lowered {
+    pub at: Positions,
+    nodes: BTreeMap<String, NodeId>,
+    ops: BTreeMap<String, u32>,
+}
+
+impl Lowered {
+    pub fn new(at: Positions) -> Lowered {
+        Lowered { at, ..Lowered::default() }
+    }
+
+    /// Goes on lowering, taking further counters from `counters`.
+    pub fn resume<'c>(&mut self, counters: &'c mut u32) -> Lowering<'c> {
+        let Lowered { at, nodes, ops } = std::mem::take(self);
+        Lowering { at, nodes, ops, counters, used: BTreeSet::new() }
+    }
+}
+
+pub(crate) fn bound(b: &checked::Bound) -> engine::Bound {
+    engine::Bound {
+        lo: b.lo.nanos(),
+        lo_closed: b.lo_closed,
+        hi: b.hi.map_or(i64::MAX, |hi| hi.nanos()),
+        hi_closed: b.hi_closed || b.hi.is_none(),
+    }
+}
+
+impl<'c> Lowering<'c> {
+    pub fn new(counters: &'c mut u32) -> Lowering<'c> {
+        Lowered::default().resume(counters)
+    }
+
+    pub fn rest(self) -> Lowered {
+        Lowered { at: self.at, nodes: self.nodes, ops: self.ops }
+    }
+
+    pub fn into_positions(self) -> Positions {
+        self.at
+    }
+
+    /// The node, or the equal one that is there already.
+    fn node(&mut self, node: Node) -> NodeId {
+        let key = format!("{node:?}");
+        let next = self.at.nodes.len() as NodeId;
+        let id = *self.nodes.entry(key).or_insert(next);
+        if id == next {
+            self.at.nodes.push(node);
+        }
+        id
+    }
+
+    /// The register of the operator, or of the equal one that is there already.
+    fn op(&mut self, op: Op) -> NodeId {
+        let key = format!("{op:?}");
+        let next = self.at.ops.len() as u32;
+        let register = *self.ops.entry(key).or_insert(next);
+        if register == next {
+            self.at.ops.push(op);
+        }
+        self.node(Node::Reg(register))
+    }
+
+    pub fn not(&mut self, of: NodeId) -> NodeId {
+        match self.at.nodes[of as usize] {
+            Node::Not(inner) => inner,
+            _ => self.node(Node::Not(of)),
+        }
+    }
+
+    /// `l implies r`
+    pub fn implies(&mut self, l: NodeId, r: NodeId) -> NodeId {
+        let not_l = self.not(l);
+        self.node(Node::Or(not_l, r))
+    }
+
+    /// Lowers an expression without future operators.
+    pub fn expr(&mut self, e: &Expr) -> NodeId {
+        let node = match &e.kind {
+            Kind::Num(x) => Node::Num(*x),
+            Kind::Bool(b) => Node::Bool(*b),
+            Kind::Str(s) => Node::Str(s.clone()),
+            Kind::Input(i) => Node::Slot(*i),
+            Kind::Event(event) => Node::Event(*event),
+            Kind::EventField { event, field } => Node::EventField { event: *event, field: *field },
+            Kind::InState { machine, state } => Node::InState { machine: *machine, state: *state },
+            Kind::Updated(inputs) => Node::Updated(inputs.clone()),
+            Kind::Param(slice) => Node::Param(*slice),
+            Kind::Var(depth) => Node::Var(*depth),
+            Kind::Age(topic) => Node::Age(*topic),
+            Kind::Frequency(topic, window) => Node::Frequency(*topic, *window),
+            Kind::Fresh(topic) => Node::Fresh(*topic),
+            Kind::Field(of, name) => Node::Field(self.expr(of), name.clone()),
+            Kind::Index(of, i) => Node::Index(self.expr(of), *i),
+            Kind::Truth(of) => Node::Truth(self.expr(of)),
+            Kind::Neg(of) => Node::Neg(self.expr(of)),
+            Kind::Arith(op, l, r) => Node::Arith(arith(*op), self.expr(l), self.expr(r)),
+            Kind::Compare { op, margin, left, right } => return self.compare(*op, margin.as_deref(), left, right),
+            Kind::Not(of) => {
+                let of = self.expr(of);
+                return self.not(of);
+            }
+            Kind::Connective(op, l, r) => return self.connective(*op, l, r),
+            Kind::Call(func, args) => Node::Call(self::func(*func), args.iter().map(|a| self.expr(a)).collect()),
+            Kind::Quantified { all, array, body } => return self.quantified(*all, array, body),
+            _ => return self.with_memory(e),
+        };
+        self.node(node)
+    }
+
+    fn with_memory(&mut self, e: &Expr) -> NodeId {
+        let op = match &e.kind {
+            Kind::Lookback(of, 0) => return self.expr(of),
+            Kind::Lookback(of, depth) => Op::Lookback(self.expr(of), *depth),
+            Kind::Delta(of) => Op::Delta(self.expr(of)),
+            Kind::Rate(of) => Op::Rate(self.expr(of)),
+            Kind::Window(window, of, duration) => Op::Window(self::window(*window), self.expr(of), *duration),
+            Kind::Previously(of) => Op::Previously(self.expr(of)),
+            Kind::Becomes(of) => Op::Becomes(self.expr(of)),
+            Kind::Held(duration, of) => Op::Held(*duration, self.expr(of)),
+            Kind::Once(b, of) => Op::Once(bound(b), self.expr(of)),
+            Kind::Since(b, l, r) => Op::Since(bound(b), self.expr(l), self.expr(r)),
+            Kind::Historically(b, of) => {
+                let of = self.expr(of);
+                let never = Op::Once(bound(b), self.not(of));
+                let register = self.op(never);
+                return self.not(register);
+            }
+            // The checker refuses future operators here; what it refused is not compiled.
+            _ => return self.node(Node::Bool(false)),
+        };
+        self.op(op)
+    }
+
+    fn connective(&mut self, op: Connective, l: &Expr, r: &Expr) -> NodeId {
+        let (l, r) = (self.expr(l), self.expr(r));
+        let node = match op {
+            Connective::And => Node::And(l, r),
+            Connective::Or => Node::Or(l, r),
+            Connective::Implies => return self.implies(l, r),
+            Connective::Iff => Node::Iff(l, r),
+        };
+        self.node(node)
+    }
+
+    fn compare(&mut self, op: checked::Compare, margin: Option<&Expr>, left: &Expr, right: &Expr) -> NodeId {
+        let numeric = [left, right].iter().all(|e| matches!(e.ty, Type::Num { .. }));
+        let (op, margin) = (self::compare(op), margin.map(|m| self.expr(m)));
+        let (l, r) = (self.expr(left), self.expr(right));
+        let counted = |counter| match numeric {
+            true => Node::Compare { op, margin, left: l, right: r, counter },
+            false => Node::CompareAny { op, margin, left: l, right: r, counter },
+        };
+        // Equal comparisons share their counter, so it is no part of what makes them equal.
+        let key = format!("{:?}", counted(u32::MAX));
+        let next = self.at.nodes.len() as NodeId;
+        let mut node = *self.nodes.entry(key).or_insert(next);
+        if node == next {
+            self.at.nodes.push(counted(*self.counters));
+            *self.counters += 1;
+        }
+        if let Node::Compare { counter, .. } | Node::CompareAny { counter, .. } = self.at.nodes[node as usize] {
+            self.used.insert(counter);
+        }
+        // Where its event does not occur a comparison of a field is false, whatever it compares.
+        for event in fields_of_events(left).into_iter().chain(fields_of_events(right)) {
+            let occurs = self.node(Node::Event(event));
+            node = self.node(Node::And(occurs, node));
+        }
+        node
+    }
+
+    fn quantified(&mut self, all: bool, array: &Expr, body: &Expr) -> NodeId {
+        let (array, mut body) = (self.expr(array), self.expr(body));
+        if all {
+            body = self.not(body);
+        }
+        let any = self.node(Node::Any { array, body });
+        if all { self.not(any) } else { any }
+    }
+}
+
+/// The events whose fields an expression reads at the instant itself.
+fn fields_of_events(e: &Expr) -> Vec<usize> {
+    match &e.kind {
+        Kind::EventField { event, .. } => vec![*event],
+        Kind::Lookback(..) | Kind::Window(..) | Kind::Delta(_) | Kind::Rate(_) => Vec::new(),
+        _ => e.children().into_iter().flat_map(fields_of_events).collect(),
+    }
+}
+
+fn arith(op: checked::Arith) -> engine::Arith {
+    match op {
+        checked::Arith::Add => engine::Arith::Add,
+        checked::Arith::Sub => engine::Arith::Sub,
+        checked::Arith::Mul => engine::Arith::Mul,
+        checked::Arith::Div => engine::Arith::Div,
+    }
+}
+
+pub(crate) fn compare(op: checked::Compare) -> engine::Compare {
+    match op {
+        checked::Compare::Eq => engine::Compare::Eq,
+        checked::Compare::Ne => engine::Compare::Ne,
+        checked::Compare::Lt => engine::Compare::Lt,
+        checked::Compare::Le => engine::Compare::Le,
+        checked::Compare::Gt => engine::Compare::Gt,
+        checked::Compare::Ge => engine::Compare::Ge,
+    }
+}
+
+fn window(window: checked::Window) -> engine::Window {
+    match window {
+        checked::Window::Min => engine::Window::Min,
+        checked::Window::Max => engine::Window::Max,
+        checked::Window::Mean => engine::Window::Mean,
+        checked::Window::Count => engine::Window::Count,
+    }
+}
+
+pub(crate) fn func(func: checked::Func) -> engine::Func {
+    use checked::Func as From;
+    use engine::Func as To;
+    match func {
+        From::Abs => To::Abs,
+        From::Sign => To::Sign,
+        From::Min => To::Min,
+        From::Max => To::Max,
+        From::Sqrt => To::Sqrt,
+        From::Sin => To::Sin,
+        From::Cos => To::Cos,
+        From::Atan2 => To::Atan2,
+        From::Norm => To::Norm,
+        From::Roll => To::Roll,
+        From::Pitch => To::Pitch,
+        From::Yaw => To::Yaw,
+        From::AngleDiff => To::AngleDiff,
+        From::AngleBetween => To::AngleBetween,
+        From::IntoBody => To::IntoBody,
+        From::Deg => To::Deg,
+        From::Rad => To::Rad,
+        From::IsNan => To::IsNan,
+        From::Len => To::Len,
+        From::MinOf => To::MinOf,
+        From::MaxOf => To::MaxOf,
+        From::Lookup => To::Lookup,
+        From::StartsWith => To::StartsWith,
+        From::EndsWith => To::EndsWith,
+        From::Contains => To::Contains,
+    }
+}

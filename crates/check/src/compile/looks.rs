@@ -1,0 +1,157 @@
+//! Vacuity: at which positions scopes are looked at, and where they are entered.
+
+use lapwing_engine::program::{Bound, ContextKind, Look, LookKind, NodeId};
+
+use super::expr::bound;
+use super::formula::{GroupLowering, WHOLE};
+use crate::checked::{Expr, Kind, Scope};
+
+impl GroupLowering {
+    /// Lowers what counts the entries of each scope and `whenever` of a property. Returns how many there are; they are numbered in
+    /// the order of the text. The formula itself has been lowered before.
+    pub fn looks(&mut self, property: usize, formula: &Expr) -> usize {
+        let scopes = count_scopes(formula);
+        if scopes > 0 {
+            let first = self.look(WHOLE, LookKind::First, None);
+            Walk { group: self, property, next: 0 }.of(formula, WHOLE, first);
+        }
+        scopes
+    }
+
+    fn look(&mut self, context: u32, kind: LookKind, counts: Option<(usize, usize)>) -> u32 {
+        let look = Look { context, kind, counts };
+        let found = self.looks.iter().position(|l| *l == look);
+        found.unwrap_or_else(|| {
+            self.looks.push(look);
+            self.looks.len() - 1
+        }) as u32
+    }
+
+    /// The node of a state formula.
+    fn node_of(&mut self, e: &Expr) -> NodeId {
+        // Counters of comparisons were given out when the formula was lowered: every node is there already.
+        let mut none = u32::MAX / 2;
+        let mut lowering = self.expressions.resume(&mut none);
+        let node = lowering.expr(e);
+        self.expressions = lowering.rest();
+        node
+    }
+}
+
+fn count_scopes(e: &Expr) -> usize {
+    let own = matches!(e.kind, Kind::Scope(..) | Kind::AfterUntil(..));
+    usize::from(own) + e.children().into_iter().map(count_scopes).sum::<usize>()
+}
+
+/// A walk through a formula, from the outside in.
+struct Walk<'g> {
+    group: &'g mut GroupLowering,
+    property: usize,
+    /// The number of the next scope.
+    next: usize,
+}
+
+impl Walk<'_> {
+    /// A formula in a context, looked at where `look` says.
+    fn of(&mut self, f: &Expr, context: u32, look: u32) {
+        if count_scopes(f) == 0 {
+            return;
+        }
+        match &f.kind {
+            Kind::Always(b, of) | Kind::Eventually(b, of) => {
+                let within = self.from(context, look, bound(b));
+                self.of(of, context, within);
+            }
+            Kind::Next(of) => {
+                let next = self.group.look(context, LookKind::Next { of: look }, None);
+                self.of(of, context, next);
+            }
+            Kind::Until(b, l, r) => {
+                let all = self.from(context, look, Bound::ALL);
+                self.of(l, context, all);
+                let within = self.from(context, look, bound(b));
+                self.of(r, context, within);
+            }
+            Kind::Scope(scope, x, body) => self.scope(*scope, x, body, context, look),
+            Kind::AfterUntil(x, y, body) => self.after_until(x, y, body, context, look),
+            _ => f.children().into_iter().for_each(|c| self.of(c, context, look)),
+        }
+    }
+
+    /// The positions at such distances from those of a look.
+    fn from(&mut self, context: u32, look: u32, bound: Bound) -> u32 {
+        let kind = match self.group.looks[look as usize].kind {
+            LookKind::First => LookKind::Within(bound),
+            LookKind::Within(Bound::ALL) if bound == Bound::ALL => return look,
+            _ => LookKind::From { of: look, bound },
+        };
+        self.group.look(context, kind, None)
+    }
+
+    fn number(&mut self) -> Option<(usize, usize)> {
+        self.next += 1;
+        Some((self.property, self.next - 1))
+    }
+
+    fn scope(&mut self, scope: Scope, x: &Expr, body: &Expr, context: u32, look: u32) {
+        let counts = self.number();
+        let all = self.from(context, look, Bound::ALL);
+        self.of(x, context, all);
+        if x.has_future() {
+            self.proves(x, counts, context, all);
+            return self.of(body, context, all);
+        }
+        let node = self.group.node_of(x);
+        match scope {
+            Scope::Whenever => {
+                let entered = self.group.look(context, LookKind::Where { of: all, node }, counts);
+                self.of(body, context, entered);
+            }
+            Scope::After => {
+                let entered = self.group.look(context, LookKind::FirstWith { of: look, x: node }, counts);
+                self.inside(body, context, ContextKind::After { x: node }, entered);
+            }
+            Scope::Until | Scope::Before => {
+                self.group.look(context, LookKind::FirstWith { of: look, x: node }, counts);
+                let begins = self.group.look(context, LookKind::Unless { of: look, node }, None);
+                self.inside(body, context, ContextKind::Until { x: node, again: true }, begins);
+            }
+            Scope::While => {
+                let entered = self.group.look(context, LookKind::Runs { of: look, x: node }, counts);
+                self.inside(body, context, ContextKind::While { x: node }, entered);
+            }
+        }
+    }
+
+    /// A scope that opens on a future formula: where it opens shows only later, so each position at which the formula turns out to
+    /// hold counts as an entry, and what stands inside counts as looked at wherever the scope is.
+    fn proves(&mut self, x: &Expr, counts: Option<(usize, usize)>, context: u32, all: u32) {
+        let formula = self.group.value_of(x, context);
+        self.group.look(context, LookKind::Proves { of: all, formula }, counts);
+    }
+
+    fn after_until(&mut self, x: &Expr, y: &Expr, body: &Expr, context: u32, look: u32) {
+        let counts = self.number();
+        let all = self.from(context, look, Bound::ALL);
+        self.of(x, context, all);
+        self.of(y, context, all);
+        if x.has_future() || y.has_future() {
+            self.proves(x, counts, context, all);
+            return self.of(body, context, all);
+        }
+        let (x, y) = (self.group.node_of(x), self.group.node_of(y));
+        let entered = self.group.look(context, LookKind::Opens { of: look, x, y }, counts);
+        self.inside(body, context, ContextKind::AfterUntil { x, y }, entered);
+    }
+
+    /// A body, in the segments of an inner context, looked at where its scope is entered.
+    fn inside(&mut self, body: &Expr, context: u32, kind: ContextKind, entered: u32) {
+        if count_scopes(body) == 0 {
+            // Numbers go on in the order of the text all the same: there are none here.
+            return;
+        }
+        let inner = self.group.context(context, kind);
+        let look = self.group.look(inner, LookKind::Same { of: entered }, None);
+        self.of(body, inner, look);
+    }
+}

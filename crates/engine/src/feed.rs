@@ -1,0 +1,565 @@
+//! The state of a run, and how a sample moves it: jumps, the clock, deadlines in their order, instants.
+
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+
+use lapwing_stream::{Sample, Time, Value, Verdict, What};
+
+use crate::group::{Core, Tell, Walk};
+use crate::inputs::Inputs;
+use crate::machine::MachineMemory;
+use crate::node::{Notes, View};
+use crate::outcome::{Episode, Observer, Outcome, Output};
+use crate::program::{Clock, Group, Judge, Positions, Program};
+use crate::tracker::can_add;
+use crate::world::ObjectMemory;
+
+/// At most so many instances of a property under `for each` over values.
+const INSTANCES: usize = 65_536;
+
+/// At most so many instants of a rate between two samples; a longer silence starts everything anew, as a jump back does.
+const TICKS: i128 = 10_000_000;
+
+/// Everything that a run of a [`Program`] knows. A clone is a snapshot: it goes on as the original would have.
+#[derive(Clone, Debug)]
+pub struct State {
+    piece: Piece,
+    /// What the pieces before the latest jump came to.
+    before: Option<Vec<Outcome>>,
+    jumps: Vec<(Time, Time)>,
+}
+
+/// A stretch of trace in which time never goes back.
+#[derive(Clone, Debug)]
+struct Piece {
+    inputs: Inputs,
+    machines: Vec<MachineMemory>,
+    groups: Vec<Instances>,
+    objects: Vec<ObjectMemory>,
+    /// The first sample that was read.
+    t0: Option<i64>,
+    /// The last sample of any kind.
+    last: Option<i64>,
+    /// The last instant that all share.
+    last_instant: Option<i64>,
+    /// The next instant of a rate.
+    tick: u64,
+    instants: u64,
+    /// Per property: a topic that was silent for too long, from when to when.
+    stale: Vec<Option<(usize, i64, i64)>>,
+    /// Per topic: messages in all, and those that no instant saw.
+    messages: Vec<(u64, u64)>,
+}
+
+/// The instances of a group: one, or with slices one per value seen, beside the template of those to come.
+#[derive(Clone, Debug)]
+struct Instances {
+    cores: Vec<Core>,
+    too_many: bool,
+}
+
+/// How a trace ended.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ending {
+    /// It broke off: what would be unmet is inconclusive, for this reason.
+    pub broke_off: Option<String>,
+    /// Topics of which something was lost, and why: what reads one of them and did not fail is inconclusive.
+    pub lost: Vec<(usize, String)>,
+}
+
+impl State {
+    /// Nothing has come yet.
+    pub fn new(program: &Program) -> State {
+        State { piece: Piece::new(program), before: None, jumps: Vec::new() }
+    }
+
+    /// Takes a sample in.
+    pub fn feed(&mut self, program: &Program, sample: Sample<'_>, observer: &mut impl Observer) {
+        let now = sample.time.0;
+        if self.piece.last.is_some_and(|last| now < last) || self.piece.is_absurd(program, now) {
+            self.jump(program, sample.time, observer);
+        }
+        if self.piece.is_timed_out(program, now) {
+            return;
+        }
+        self.piece.pass_time(program, now, &mut |i, o| observer.output(i, o));
+        self.piece.last = Some(now);
+        if sample.what == What::Other {
+            return;
+        }
+        self.piece.t0.get_or_insert(now);
+        self.piece.take_in(program, sample);
+        if program.clock == Clock::Events {
+            self.piece.instant(program, now, &mut |i, o| observer.output(i, o));
+        }
+    }
+
+    /// Time went back: what has been ends here, and everything starts anew.
+    fn jump(&mut self, program: &Program, to: Time, observer: &mut impl Observer) {
+        let from = Time(self.piece.last.unwrap_or_default());
+        let outcomes = self.piece.finish(program, &Ending::default(), &mut |i, o| observer.output(i, o));
+        self.before = Some(join(self.before.take(), outcomes));
+        self.jumps.push((from, to));
+        self.piece = Piece::new(program);
+        observer.output(&self.piece.inputs, Output::Jump { from, to });
+    }
+
+    /// The trace is over: the outcome of every property, instances in the order in which they came.
+    ///
+    /// The state cannot be fed after; to know the outcome so far, finish a clone.
+    pub fn finish(&mut self, program: &Program, ending: &Ending, observer: &mut impl Observer) -> Vec<Outcome> {
+        let outcomes = self.piece.finish(program, ending, &mut |i, o| observer.output(i, o));
+        join(self.before.take(), outcomes)
+    }
+
+    /// When something happens though nothing comes: a live caller feeds a sample without content once its clock has passed it.
+    pub fn next_deadline(&mut self, program: &Program) -> Option<Time> {
+        let piece = &mut self.piece;
+        let tick = piece.next_tick(program);
+        [piece.next_flip(program), piece.next_bound(program), tick].into_iter().flatten().min().map(Time)
+    }
+
+    /// The latest of everything.
+    pub fn inputs(&self) -> &Inputs {
+        &self.piece.inputs
+    }
+
+    /// The number of instants of the specification's clock so far.
+    pub fn instants(&self) -> u64 {
+        self.piece.instants
+    }
+
+    /// The jumps back in time, from and to.
+    pub fn jumps(&self) -> &[(Time, Time)] {
+        &self.jumps
+    }
+
+    /// How many messages of a topic came, and how many of them no instant saw.
+    pub fn messages(&self, topic: usize) -> (u64, u64) {
+        self.piece.messages.get(topic).copied().unwrap_or_default()
+    }
+}
+
+impl Piece {
+    fn new(program: &Program) -> Piece {
+        let counters = program.properties.iter().flat_map(|p| &p.counters).max().map_or(0, |&c| c as usize + 1);
+        Piece {
+            inputs: Inputs::new(program),
+            machines: program.machines.iter().map(|m| MachineMemory::new(m, program.slots.len(), counters)).collect(),
+            groups: program.groups.iter().map(|g| Instances::new(g, counters)).collect(),
+            objects: alloc::vec![ObjectMemory::default(); program.objects.len()],
+            t0: None,
+            last: None,
+            last_instant: None,
+            tick: 0,
+            instants: 0,
+            stale: alloc::vec![None; program.properties.len()],
+            messages: alloc::vec![(0, 0); program.topics.len()],
+        }
+    }
+
+    fn is_timed_out(&self, program: &Program, now: i64) -> bool {
+        match (program.timeout, self.t0) {
+            (Some(timeout), Some(t0)) => now > t0.saturating_add(timeout.nanos()),
+            _ => false,
+        }
+    }
+
+    /// Whether more instants of a rate lie before this time than anyone could want.
+    fn is_absurd(&self, program: &Program, now: i64) -> bool {
+        match (program.clock, self.last, self.t0) {
+            (Clock::Rate(rate), Some(last), Some(_)) => {
+                (i128::from(now) - i128::from(last)) * i128::from(rate) > TICKS * 1_000_000_000
+            }
+            _ => false,
+        }
+    }
+
+    /// The time of the next instant of a rate.
+    fn next_tick(&self, program: &Program) -> Option<i64> {
+        match (program.clock, self.t0) {
+            (Clock::Rate(rate), Some(t0)) => {
+                let since = i128::from(self.tick) * 1_000_000_000 / i128::from(rate.max(1));
+                Some(t0.saturating_add(since.min(i128::from(i64::MAX)) as i64))
+            }
+            _ => None,
+        }
+    }
+
+    /// Everything that happens before what has the stamp `now` comes in.
+    fn pass_time(&mut self, program: &Program, now: i64, tell: Tell<'_>) {
+        match program.clock {
+            Clock::Rate(_) => {
+                while let Some(tick) = self.next_tick(program).filter(|&tick| tick < now) {
+                    self.tick(program, tick, tell);
+                }
+            }
+            Clock::Events => {
+                while let Some(flip) = self.next_flip(program).filter(|&flip| flip < now) {
+                    self.flip(program, flip, tell);
+                }
+            }
+        }
+        self.advance(program, now, tell);
+    }
+
+    fn tick(&mut self, program: &Program, at: i64, tell: Tell<'_>) {
+        self.advance(program, at, tell);
+        self.instant(program, at, tell);
+        self.tick += 1;
+    }
+
+    /// Bounds that end before `now` are over.
+    fn advance(&mut self, program: &Program, now: i64, tell: Tell<'_>) {
+        for (i, (memory, plan)) in self.machines.iter_mut().zip(&program.machines).enumerate() {
+            memory.advance(plan, i, &self.inputs, now, tell);
+        }
+        for (instances, plan) in self.groups.iter_mut().zip(&program.groups) {
+            for core in &mut instances.cores {
+                core.advance(plan, &self.inputs, now, tell);
+            }
+        }
+    }
+
+    fn next_bound(&self, program: &Program) -> Option<i64> {
+        let machines = self.machines.iter().zip(&program.machines).enumerate();
+        let machines = machines.filter_map(|(i, (memory, plan))| memory.deadline(plan, i, &self.inputs));
+        let cores = self.groups.iter().flat_map(|g| &g.cores).filter_map(|c| c.graph.deadline().map(|d| d.0));
+        machines.chain(cores).min()
+    }
+
+    fn next_flip(&mut self, program: &Program) -> Option<i64> {
+        let inputs = &self.inputs;
+        let machines = self.machines.iter_mut().zip(&program.machines);
+        let machines = machines.filter_map(|(memory, plan)| memory.walk.next_flip(&plan.at, inputs));
+        let groups = self.groups.iter_mut().zip(&program.groups).filter(|(_, plan)| !plan.at.ages.is_empty());
+        let groups = groups.filter_map(|(g, plan)| g.cores.first_mut()?.walk.next_flip(&plan.at, inputs));
+        machines.chain(groups).min()
+    }
+
+    /// An instant of its own for those whose comparison of an age changes now, unless one has this stamp.
+    fn flip(&mut self, program: &Program, at: i64, tell: Tell<'_>) {
+        let is_new = self.last_instant != Some(at);
+        self.inputs.end_instant();
+        for (i, (memory, plan)) in self.machines.iter_mut().zip(&program.machines).enumerate() {
+            if memory.walk.next_flip(&plan.at, &self.inputs) == Some(at) {
+                memory.walk.pass_flips(&plan.at, at);
+                if is_new {
+                    memory.advance(plan, i, &self.inputs, at, tell);
+                    memory.step(plan, i, &mut self.inputs, at, tell);
+                }
+            }
+        }
+        for (instances, plan) in self.groups.iter_mut().zip(&program.groups) {
+            for core in &mut instances.cores {
+                if core.walk.next_flip(&plan.at, &self.inputs) == Some(at) {
+                    core.walk.pass_flips(&plan.at, at);
+                    if is_new {
+                        core.advance(plan, &self.inputs, at, tell);
+                        core.step(plan, &self.inputs, at, program.open_limit, tell);
+                    }
+                }
+            }
+        }
+        self.inputs.end_instant();
+    }
+
+    /// The sample's values become the latest.
+    fn take_in(&mut self, program: &Program, sample: Sample<'_>) {
+        match sample.what {
+            What::Message { topic, values } => self.message(program, topic, values, sample.time.0),
+            What::Row { cells } => {
+                for (slots, value) in program.columns.iter().zip(cells) {
+                    slots.iter().for_each(|&slot| self.inputs.set(slot, value));
+                }
+            }
+            What::Event { event, values } => {
+                if let Some(state) = self.inputs.events.get_mut(event) {
+                    state.add(values.iter());
+                    self.filter_event(program, event);
+                }
+            }
+            What::Other => {}
+        }
+    }
+
+    fn message(&mut self, program: &Program, topic: usize, values: &[Value], now: i64) {
+        let Some(plan) = program.topics.get(topic) else { return };
+        for (slots, value) in plan.fields.iter().zip(values) {
+            slots.iter().for_each(|&slot| self.inputs.set(slot, value));
+        }
+        self.note_silence(program, topic, now);
+        let state = &mut self.inputs.topics[topic];
+        self.messages[topic].0 += 1;
+        // A message that comes before the instant after the one before it makes that one unseen.
+        self.messages[topic].1 += u64::from(state.fresh);
+        (state.last, state.fresh) = (Some(now), true);
+        if let Some(window) = plan.window {
+            state.stamps.push_back(now);
+            while state.stamps.front().is_some_and(|&t| t <= now.saturating_sub(window.nanos())) {
+                state.stamps.pop_front();
+            }
+        }
+        for &object in &plan.objects {
+            self.objects[object].message(&program.objects[object], topic, values, now, &mut self.inputs);
+        }
+        for &event in &plan.events {
+            if let Some(from) = &program.events[event].from_message {
+                self.inputs.events[event].add(from.iter().map(|&f| values.get(f).unwrap_or(&Value::Missing)));
+                self.filter_event(program, event);
+            }
+        }
+    }
+
+    /// Takes the latest occurrence of an event back where its condition does not hold.
+    fn filter_event(&mut self, program: &Program, event: usize) {
+        let Some((at, when)) = &program.events[event].when else { return };
+        let notes = Notes::default();
+        let view = View { at, inputs: &self.inputs, regs: &[], params: &[], now: 0, notes: &notes, seen: &[] };
+        if !view.bool(*when) {
+            self.inputs.events[event].count -= 1;
+        }
+    }
+
+    /// Marks the properties for which this topic has been silent for too long.
+    fn note_silence(&mut self, program: &Program, topic: usize, now: i64) {
+        let since = self.inputs.topics[topic].last.or(self.t0).unwrap_or(now);
+        for (property, stale) in program.properties.iter().zip(&mut self.stale) {
+            let limit = property.stale.iter().find(|(t, _)| *t == topic).map(|(_, limit)| *limit);
+            if stale.is_none() && limit.is_some_and(|limit| Time(now).since(Time(since)) > limit) {
+                *stale = Some((topic, since, now));
+            }
+        }
+    }
+
+    /// An instant that all share.
+    fn instant(&mut self, program: &Program, now: i64, tell: Tell<'_>) {
+        self.instants += 1;
+        self.last_instant = Some(now);
+        for (i, (memory, plan)) in self.machines.iter_mut().zip(&program.machines).enumerate() {
+            memory.step(plan, i, &mut self.inputs, now, tell);
+        }
+        for (instances, plan) in self.groups.iter_mut().zip(&program.groups) {
+            if !plan.at.slices.is_empty() {
+                instances.make(&plan.at, &self.inputs);
+            }
+            for core in &mut instances.cores {
+                core.step(plan, &self.inputs, now, program.open_limit, tell);
+            }
+        }
+        tell(&self.inputs, Output::Instant(Time(now)));
+        self.inputs.end_instant();
+    }
+
+    /// The outcome of every property.
+    fn finish(&mut self, program: &Program, ending: &Ending, tell: Tell<'_>) -> Vec<Outcome> {
+        let last = self.last.unwrap_or_default();
+        while let Some(tick) = self.next_tick(program).filter(|&tick| tick <= last) {
+            self.tick(program, tick, tell);
+        }
+        for topic in 0..program.topics.len() {
+            self.note_silence(program, topic, last);
+            self.messages[topic].1 += u64::from(self.inputs.topics[topic].fresh);
+        }
+        for (instances, plan) in self.groups.iter_mut().zip(&program.groups) {
+            for core in &mut instances.cores {
+                core.end(plan, &self.inputs, last);
+            }
+        }
+        (0..program.properties.len()).flat_map(|p| self.outcomes(program, p, ending)).collect()
+    }
+
+    /// What is said of a property: one outcome, or one per instance.
+    fn outcomes(&self, program: &Program, number: usize, ending: &Ending) -> Vec<Outcome> {
+        let property = &program.properties[number];
+        let blank = |cause: String| Outcome { cause: Some(cause), ..Outcome::blank(number, property.scopes) };
+        if let Some(problem) = &property.problem {
+            return alloc::vec![blank(problem.clone())];
+        }
+        match property.judge {
+            Judge::Nobody => alloc::vec![blank("nothing judges it".to_string())],
+            _ if self.last.is_none() => alloc::vec![blank("the trace has no message".to_string())],
+            Judge::Machine(m) => alloc::vec![self.machine_outcome(program, number, m, ending)],
+            Judge::Group(g) => {
+                let plan = &program.groups[g];
+                let instances = self.groups[g].cores.iter().filter(|c| c.key.iter().all(Option::is_some));
+                let outcomes: Vec<_> = instances.map(|c| self.core_outcome(program, number, plan, c, ending)).collect();
+                if outcomes.is_empty() {
+                    return alloc::vec![blank("no value to make an instance of was seen".to_string())];
+                }
+                outcomes
+            }
+        }
+    }
+
+    fn machine_outcome(&self, program: &Program, number: usize, machine: usize, ending: &Ending) -> Outcome {
+        let memory = &self.machines[machine];
+        let mut outcome = Outcome {
+            met: memory.met,
+            failed: memory.failed,
+            episodes: sorted(memory.episodes.clone()),
+            positions: memory.positions,
+            nans: self.nans(program, number, &memory.walk.notes),
+            ..Outcome::blank(number, 0)
+        };
+        let at = &program.machines[machine].at;
+        outcome.cause = self.cause(program, number, at, &memory.walk, ending);
+        outcome.verdict = match () {
+            () if outcome.failed > 0 => Verdict::Violated,
+            () if outcome.cause.is_some() => Verdict::Inconclusive,
+            () => Verdict::Holds,
+        };
+        outcome.without_idle_cause()
+    }
+
+    fn core_outcome(&self, program: &Program, number: usize, plan: &Group, core: &Core, ending: &Ending) -> Outcome {
+        let scopes = program.properties[number].scopes;
+        let of_property = || plan.trackers.iter().zip(&core.trackers).filter(|(t, _)| t.property == number);
+        let mut outcome = Outcome {
+            instance: core.key.iter().flatten().cloned().collect(),
+            entered: core.entered(plan, number, scopes),
+            positions: core.positions,
+            nans: self.nans(program, number, &core.walk.notes),
+            ..Outcome::blank(number, scopes)
+        };
+        let last = self.last.unwrap_or_default();
+        let mut more_to_come = false;
+        for (tracker, state) in of_property() {
+            outcome.met += state.met;
+            outcome.failed += state.failed;
+            outcome.open += state.open.positions();
+            outcome.episodes.extend_from_slice(&state.done);
+            outcome.unmet_since = match (outcome.unmet_since, state.unmet_since.map(Time)) {
+                (Some(a), Some(b)) => Some(a.min(b)),
+                (a, b) => a.or(b),
+            };
+            more_to_come |= can_add(tracker, &plan.contexts, &core.graph.segments, last);
+        }
+        outcome.episodes = sorted(outcome.episodes);
+        let missed = outcome.unmet_since.is_some()
+            || (core.positions == 0 && of_property().any(|(tracker, _)| tracker.missed_if_empty));
+        outcome.cause = self.cause(program, number, &plan.at, &core.walk, ending);
+        if core.overflowed && outcome.cause.is_none() {
+            outcome.cause = Some(format!("more than {} runs of obligations were open at once", program.open_limit));
+        }
+        if self.groups.iter().any(|g| g.too_many) && !plan.at.slices.is_empty() && outcome.cause.is_none() {
+            outcome.cause = Some(format!("more than {INSTANCES} values were seen"));
+        }
+        outcome.verdict = match () {
+            () if outcome.failed > 0 => Verdict::Violated,
+            () if outcome.cause.is_some() => Verdict::Inconclusive,
+            () if missed && ending.broke_off.is_some() => {
+                outcome.cause.clone_from(&ending.broke_off);
+                Verdict::Inconclusive
+            }
+            () if missed => Verdict::Unmet,
+            () if outcome.open == 0 && !more_to_come => Verdict::Satisfied,
+            () => Verdict::Holds,
+        };
+        outcome.vacuous = outcome.verdict.is_success() && outcome.entered.contains(&0);
+        outcome.without_idle_cause()
+    }
+
+    /// Why a property that did not fail cannot be judged.
+    fn cause(&self, program: &Program, number: usize, at: &Positions, walk: &Walk, ending: &Ending) -> Option<String> {
+        let property = &program.properties[number];
+        if let Some((_, why)) = ending.lost.iter().find(|(topic, _)| property.topics.contains(topic)) {
+            return Some(why.clone());
+        }
+        if at.alphabet.is_none() && !walk.started {
+            let names: Vec<_> = walk.missing(at).filter_map(|i| property.waits_for.get(i)).cloned().collect();
+            return Some(match names.is_empty() {
+                true => "it never had a position".to_string(),
+                false => format!("no value ever came: {}", names.join(", ")),
+            });
+        }
+        if let Some((topic, from, to)) = self.stale[number] {
+            let name = property.waits_for.get(at.reads.len() + topic).cloned().unwrap_or_else(|| "a topic".to_string());
+            return Some(format!("{name} was silent from {} to {}", Time(from), Time(to)));
+        }
+        walk.notes.fault.get().map(|_| "a value was of another kind than the formula needs".to_string())
+    }
+
+    fn nans(&self, program: &Program, number: usize, notes: &Notes) -> u64 {
+        let counters = &program.properties[number].counters;
+        counters.iter().filter_map(|&c| notes.nans.get(c as usize)).map(|n| n.get()).sum()
+    }
+}
+
+impl Outcome {
+    fn blank(property: usize, scopes: usize) -> Outcome {
+        Outcome {
+            property,
+            instance: Vec::new(),
+            verdict: Verdict::Inconclusive,
+            cause: None,
+            vacuous: false,
+            entered: alloc::vec![0; scopes],
+            met: 0,
+            failed: 0,
+            open: 0,
+            episodes: Vec::new(),
+            unmet_since: None,
+            nans: 0,
+            positions: 0,
+        }
+    }
+
+    /// A cause belongs to an inconclusive verdict; a violation stands whatever else was not seen.
+    fn without_idle_cause(mut self) -> Outcome {
+        if self.verdict != Verdict::Inconclusive {
+            self.cause = None;
+        }
+        self
+    }
+}
+
+impl Instances {
+    fn new(plan: &Group, counters: usize) -> Instances {
+        Instances { cores: alloc::vec![Core::new(plan, counters)], too_many: false }
+    }
+
+    /// Makes instances for values that are seen for the first time: each goes on from where its template stands.
+    fn make(&mut self, at: &Positions, inputs: &Inputs) {
+        for (i, slice) in at.slices.iter().enumerate() {
+            let Some(event) = inputs.events.get(slice.event) else { continue };
+            for value in event.iter().filter_map(|fields| fields.get(slice.field)) {
+                if *value == Value::Missing || self.cores.iter().any(|c| c.key[i].as_ref() == Some(value)) {
+                    continue;
+                }
+                let templates: Vec<_> = self.cores.iter().filter(|c| c.key[i].is_none()).cloned().collect();
+                for mut core in templates {
+                    if self.cores.len() >= INSTANCES {
+                        self.too_many = true;
+                        return;
+                    }
+                    core.key[i] = Some(value.clone());
+                    self.cores.push(core);
+                }
+            }
+        }
+    }
+}
+
+/// By the time of the first failure, then of beginning, then in the order of the text.
+fn sorted(mut episodes: Vec<Episode>) -> Vec<Episode> {
+    episodes.sort_by_key(|e| (e.failed, e.began));
+    episodes
+}
+
+/// Joins the outcomes of two pieces of a trace, property by property, instance by instance.
+fn join(before: Option<Vec<Outcome>>, later: Vec<Outcome>) -> Vec<Outcome> {
+    let Some(mut all) = before else { return later };
+    for outcome in later {
+        match all.iter_mut().find(|o| (o.property, &o.instance) == (outcome.property, &outcome.instance)) {
+            Some(same) => same.join(outcome),
+            None => all.push(outcome),
+        }
+    }
+    // A property without instances in one piece and with some in another has its instances alone.
+    let has_instances: Vec<usize> = all.iter().filter(|o| !o.instance.is_empty()).map(|o| o.property).collect();
+    all.retain(|o| !o.instance.is_empty() || !has_instances.contains(&o.property));
+    all.sort_by_key(|o| o.property);
+    all
+}

@@ -1,0 +1,312 @@
+//! Formulas beyond the other nodes: scopes that open or close on a future formula, `until` between future formulas.
+//!
+//! Their state formulas are stored, position by position, and the formula is evaluated anew at every open position whenever
+//! something is new. That costs, at worst, the square of what is open; it is bounded by the limit on open runs, which counts every
+//! stored position. Such formulas are rare, and their meaning subtle enough for the plainest evaluation to be the best.
+
+use alloc::collections::VecDeque;
+use alloc::vec::Vec;
+
+use super::{Decided, Moment, Pass};
+use crate::program::{Bound, Replay, Term};
+use crate::runs::Runs;
+use crate::times::Pos;
+
+/// The stamps and the values of the state formulas at the positions from the oldest undecided one on.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct State {
+    /// The position of the first stored value.
+    first: Pos,
+    /// The stamps, and at each the values of all leaves.
+    stored: VecDeque<(i64, Vec<bool>)>,
+    open: Runs,
+    deadline: Option<(i64, bool)>,
+}
+
+impl State {
+    pub fn runs(&self) -> usize {
+        self.stored.len()
+    }
+
+    pub fn oldest(&self) -> Option<Pos> {
+        self.open.first()
+    }
+
+    pub fn deadline(&self) -> Option<(i64, bool)> {
+        self.deadline
+    }
+
+    fn next(&self) -> Pos {
+        self.first + self.stored.len() as u64
+    }
+
+    /// Decides what can be decided.
+    fn decide(&mut self, formula: &Replay, end: End, limit: (i64, bool), out: &mut Vec<Decided>) {
+        let asking = Asking { formula, first: self.first, stored: &self.stored, limit };
+        let segment = Segment { hi: self.next(), end };
+        let top = formula.terms.len().saturating_sub(1);
+        out.extend(self.open.iter().flat_map(|(a, b)| a..=b).filter_map(|k| {
+            let value = asking.term(top, k, segment)?;
+            Some(Decided { from: k, to: k, value })
+        }));
+    }
+
+    /// What is decided need not be stored, nor what lies before the oldest open position.
+    fn forget(&mut self, out: &[Decided]) {
+        for d in out {
+            self.open.take(d.from, d.to, |_, _| ());
+        }
+        let keep = self.open.first().unwrap_or(self.next());
+        while self.first < keep && self.stored.pop_front().is_some() {
+            self.first += 1;
+        }
+    }
+
+    /// The next end of a bound of any term at any stored position.
+    fn find_deadline(&self, formula: &Replay, limit: (i64, bool)) -> Option<(i64, bool)> {
+        let bounds = formula.terms.iter().filter_map(|t| match t {
+            Term::Always(b, _) | Term::Eventually(b, _) | Term::Until(b, ..) if b.has_end() => Some(b),
+            _ => None,
+        });
+        bounds
+            .filter_map(|b| {
+                let end = |t: i64| (t.saturating_add(b.hi), b.hi_closed);
+                let i = self.stored.partition_point(|&(t, _)| end(t) < limit);
+                self.stored.get(i).map(|&(t, _)| end(t))
+            })
+            .min()
+    }
+}
+
+pub(crate) fn step(state: &mut State, context: u32, formula: &Replay, pass: &Pass<'_>, out: &mut Vec<Decided>) {
+    if let Some(n) = pass.position(context) {
+        if state.stored.is_empty() {
+            state.first = n;
+        }
+        let leaves = formula.leaves.iter().map(|&leaf| pass.view.bool(leaf)).collect();
+        state.stored.push_back((pass.view.now, leaves));
+        state.open.push(n);
+    }
+    if state.open.is_empty() {
+        state.deadline = None;
+        return;
+    }
+    let now = pass.view.now;
+    match pass.moment {
+        _ if pass.closes(context) => {
+            state.decide(formula, End::Closed, (now, true), out);
+            debug_assert_eq!(out.len() as u64, state.open.positions(), "a closed segment decides everything");
+            *state = State::default();
+            return;
+        }
+        Moment::End { last } => {
+            state.decide(formula, End::Cut { last }, (last, true), out);
+            return;
+        }
+        // An open bound that ends now is over before the positions with this stamp, a closed one only after them.
+        Moment::Position(_) | Moment::Close => state.decide(formula, End::Open, (now, true), out),
+        Moment::Deadline { at, closed } => {
+            let limit = if closed { (at.saturating_add(1), false) } else { (at, true) };
+            state.decide(formula, End::Open, limit, out);
+        }
+    }
+    state.forget(out);
+    let limit = match pass.moment {
+        Moment::Deadline { at, closed: true } => (at.saturating_add(1), false),
+        _ => (now, true),
+    };
+    state.deadline = if state.open.is_empty() { None } else { state.find_deadline(formula, limit) };
+}
+
+/// How a segment ends.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum End {
+    /// It goes on.
+    Open,
+    /// Where it ends depends on what is unknown: nothing is known of what lies beyond.
+    Undetermined,
+    /// It is over.
+    Closed,
+    /// The trace ends here, its last stamp this; what reaches beyond stays unknown.
+    Cut { last: i64 },
+}
+
+/// A segment: the position after the last that is known to belong to it, and how it ends.
+#[derive(Clone, Copy)]
+struct Segment {
+    hi: Pos,
+    end: End,
+}
+
+/// Where a formula first holds.
+enum First {
+    At(Pos),
+    /// Not before this position, where it is unknown.
+    Unknown(Pos),
+    /// Nowhere among the known positions.
+    Nowhere,
+}
+
+/// An evaluation.
+struct Asking<'a> {
+    formula: &'a Replay,
+    first: Pos,
+    stored: &'a VecDeque<(i64, Vec<bool>)>,
+    /// Bounds that end before this are over.
+    limit: (i64, bool),
+}
+
+fn and(a: Option<bool>, b: Option<bool>) -> Option<bool> {
+    match (a, b) {
+        (Some(false), _) | (_, Some(false)) => Some(false),
+        (Some(true), Some(true)) => Some(true),
+        _ => None,
+    }
+}
+
+fn or(a: Option<bool>, b: Option<bool>) -> Option<bool> {
+    and(a.map(|x| !x), b.map(|x| !x)).map(|x| !x)
+}
+
+impl Asking<'_> {
+    fn stamp(&self, k: Pos) -> i64 {
+        self.stored[(k - self.first) as usize].0
+    }
+
+    /// A term at position `k` of a segment.
+    fn term(&self, term: usize, k: Pos, s: Segment) -> Option<bool> {
+        match self.formula.terms[term] {
+            Term::Leaf(i) => Some(self.stored[(k - self.first) as usize].1[i]),
+            Term::Not(f) => self.term(f, k, s).map(|x| !x),
+            Term::And(l, r) => and(self.term(l, k, s), self.term(r, k, s)),
+            Term::Or(l, r) => or(self.term(l, k, s), self.term(r, k, s)),
+            Term::Iff(l, r) => self.term(l, k, s).zip(self.term(r, k, s)).map(|(a, b)| a == b),
+            Term::Eventually(b, f) => self.eventually(&b, f, k, s, false),
+            Term::Always(b, f) => self.eventually(&b, f, k, s, true).map(|x| !x),
+            Term::Next(f) if k + 1 < s.hi => self.term(f, k + 1, s),
+            Term::Next(_) => if s.end == End::Closed { Some(false) } else { None },
+            Term::Until(b, l, r) => self.until(&b, l, r, k, s),
+            Term::After(x, f) => match self.first(x, false, k, s) {
+                First::At(j) => self.term(f, j, s),
+                First::Unknown(_) => None,
+                First::Nowhere => self.nothing_more(s),
+            },
+            Term::UntilScope(x, f) => {
+                let (comes, body) = self.up_to(x, f, k, s);
+                and(comes, body)
+            }
+            Term::Before(x, f) => {
+                let (comes, body) = self.up_to(x, f, k, s);
+                or(comes.map(|c| !c), body)
+            }
+            Term::AfterUntil(x, y, f) => self.each(k, s, f, |from| self.first(x, false, from, s), |from| self.first(y, false, from, s), 1),
+            Term::While(x, f) => self.each(k, s, f, |from| self.first(x, false, from, s), |from| self.first(x, true, from, s), 0),
+        }
+    }
+
+    /// True where no further position can come.
+    fn nothing_more(&self, s: Segment) -> Option<bool> {
+        matches!(s.end, End::Closed | End::Cut { .. }).then_some(true)
+    }
+
+    /// Whether no position beyond the known ones can lie within the bound of `k`.
+    fn is_over(&self, bound: &Bound, k: Pos, s: Segment) -> bool {
+        let end = (self.stamp(k).saturating_add(bound.hi), bound.hi_closed);
+        match s.end {
+            End::Open => bound.has_end() && end < self.limit,
+            End::Undetermined => false,
+            End::Closed => true,
+            End::Cut { last } => !bound.has_end() || end.0 <= last,
+        }
+    }
+
+    /// `eventually f`, or with `negated` `eventually not f`.
+    fn eventually(&self, bound: &Bound, f: usize, k: Pos, s: Segment, negated: bool) -> Option<bool> {
+        let mut found = Some(false);
+        for j in k..s.hi {
+            if bound.contains(self.stamp(j) - self.stamp(k)) {
+                found = or(found, self.term(f, j, s).map(|x| x != negated));
+            }
+            if found == Some(true) {
+                return found;
+            }
+        }
+        if self.is_over(bound, k, s) { found } else { or(found, None) }
+    }
+
+    fn until(&self, bound: &Bound, l: usize, r: usize, k: Pos, s: Segment) -> Option<bool> {
+        let (mut found, mut all) = (Some(false), Some(true));
+        for j in k..s.hi {
+            if bound.contains(self.stamp(j) - self.stamp(k)) {
+                found = or(found, and(all, self.term(r, j, s)));
+            }
+            all = and(all, self.term(l, j, s));
+            if found == Some(true) || all == Some(false) {
+                return found;
+            }
+        }
+        if self.is_over(bound, k, s) { found } else { or(found, and(all, None)) }
+    }
+
+    /// The first position from `from` on at which `x` holds, or with `negated` does not.
+    fn first(&self, x: usize, negated: bool, from: Pos, s: Segment) -> First {
+        for j in from..s.hi {
+            match self.term(x, j, s) {
+                Some(v) if v != negated => return First::At(j),
+                Some(_) => {}
+                None => return First::Unknown(j),
+            }
+        }
+        First::Nowhere
+    }
+
+    /// Of `until X, f` at `k`: whether X comes, and whether f holds up to it.
+    fn up_to(&self, x: usize, f: usize, k: Pos, s: Segment) -> (Option<bool>, Option<bool>) {
+        match self.first(x, false, k, s) {
+            First::At(j) if j == k => (Some(true), Some(true)),
+            First::At(j) => (Some(true), self.term(f, k, Segment { hi: j, end: End::Closed })),
+            First::Unknown(u) => {
+                let comes = (u..s.hi).any(|j| self.term(x, j, s) == Some(true));
+                let body = if u == k { None } else { self.term(f, k, Segment { hi: u, end: End::Undetermined }) };
+                (comes.then_some(true), body)
+            }
+            First::Nowhere => (self.nothing_more(s).map(|_| false), self.term(f, k, s)),
+        }
+    }
+
+    /// `f` in each segment that `opens` opens and `closes` closes, from `k` on; the search goes on `skip` after a close.
+    fn each(
+        &self,
+        k: Pos,
+        s: Segment,
+        f: usize,
+        opens: impl Fn(Pos) -> First,
+        closes: impl Fn(Pos) -> First,
+        skip: u64,
+    ) -> Option<bool> {
+        let (mut all, mut from) = (Some(true), k);
+        loop {
+            let start = match opens(from) {
+                First::At(start) => start,
+                First::Unknown(_) => return and(all, None),
+                First::Nowhere => return and(all, self.nothing_more(s)),
+            };
+            match closes(start) {
+                First::At(end) => {
+                    if end > start {
+                        all = and(all, self.term(f, start, Segment { hi: end, end: End::Closed }));
+                    }
+                    from = end + skip;
+                }
+                First::Unknown(u) => {
+                    let body = if u == start { None } else { self.term(f, start, Segment { hi: u, end: End::Undetermined }) };
+                    return and(and(all, body), None);
+                }
+                First::Nowhere => {
+                    let body = self.term(f, start, s);
+                    return and(and(all, body), self.nothing_more(s));
+                }
+            }
+        }
+    }
+}

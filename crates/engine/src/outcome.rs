@@ -1,0 +1,116 @@
+//! What comes out of a monitor.
+
+use alloc::string::String;
+use alloc::vec::Vec;
+
+use lapwing_stream::{Time, Value, Verdict};
+
+use crate::inputs::Inputs;
+
+/// Failed obligations of one segment and one conjunct at consecutive positions.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub struct Episode {
+    /// When the first of them to fail failed.
+    pub failed: Time,
+    /// When that one began.
+    pub began: Time,
+    /// When the last of them failed.
+    pub until: Time,
+    /// How many failed.
+    pub count: u64,
+}
+
+/// Something worth telling at once.
+#[derive(Clone, Debug)]
+pub enum Output<'a> {
+    /// An obligation failed that continues no episode: the alarm.
+    Alarm {
+        /// The number of the property.
+        property: usize,
+        /// The values of its slices.
+        instance: &'a [Option<Value>],
+        /// When the obligation began.
+        began: Time,
+        /// When it failed.
+        failed: Time,
+        /// A machine's move, where it is one: `illegal transition a -> b`.
+        why: Option<String>,
+    },
+    /// An instant of the specification's clock is over.
+    Instant(Time),
+    /// Time went back: every monitor has started anew.
+    Jump {
+        /// The last stamp before.
+        from: Time,
+        /// The first after.
+        to: Time,
+    },
+}
+
+/// Who wants to be told, with what the world looked like at that moment.
+pub trait Observer {
+    /// Something happened.
+    fn output(&mut self, _inputs: &Inputs, _output: Output<'_>) {}
+}
+
+/// Nobody.
+impl Observer for () {}
+
+impl<F: FnMut(&Inputs, Output<'_>)> Observer for F {
+    fn output(&mut self, inputs: &Inputs, output: Output<'_>) {
+        self(inputs, output);
+    }
+}
+
+/// What is said of a property, or of one instance of it, at the end.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Outcome {
+    /// The number of the property.
+    pub property: usize,
+    /// The values of its slices; empty where it has none.
+    pub instance: Vec<Value>,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Why it is inconclusive.
+    pub cause: Option<String>,
+    /// Whether a success has a scope or `whenever` that was never triggered.
+    pub vacuous: bool,
+    /// How often each scope and `whenever` was entered, in the order of the text.
+    pub entered: Vec<u64>,
+    /// Obligations met, failed and open.
+    pub met: u64,
+    /// See `met`.
+    pub failed: u64,
+    /// See `met`.
+    pub open: u64,
+    /// The failures, by the time of the first failure, then of beginning.
+    pub episodes: Vec<Episode>,
+    /// When the oldest obligation began that something still had to happen for.
+    pub unmet_since: Option<Time>,
+    /// How many comparisons met a NaN.
+    pub nans: u64,
+    /// How many positions it had.
+    pub positions: u64,
+}
+
+impl Outcome {
+    /// Joins the outcome of a later piece of the trace, after a jump back in time.
+    pub(crate) fn join(&mut self, later: Outcome) {
+        if self.verdict == Verdict::Unmet {
+            self.verdict = Verdict::Inconclusive;
+            self.cause = Some("time jumped back before what had to happen happened".into());
+        }
+        if later.verdict < self.verdict || (later.verdict == self.verdict && self.cause.is_none()) {
+            (self.verdict, self.cause) = (later.verdict, later.cause);
+        }
+        self.entered.iter_mut().zip(&later.entered).for_each(|(a, b)| *a += b);
+        self.met += later.met;
+        self.failed += later.failed;
+        self.open += later.open;
+        self.episodes.extend(later.episodes);
+        self.unmet_since = self.unmet_since.or(later.unmet_since);
+        self.nans += later.nans;
+        self.positions += later.positions;
+        self.vacuous = self.verdict.is_success() && self.entered.contains(&0);
+    }
+}

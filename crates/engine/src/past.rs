@@ -1,0 +1,162 @@
+//! Operators with a memory: lookback, windows and the past temporal operators. Each keeps constant state or a queue that every
+//! position enters and leaves once, so that the cost of a step does not grow with a bound.
+
+use alloc::collections::VecDeque;
+use alloc::vec::Vec;
+
+use lapwing_stream::Value;
+
+use crate::functions::{greatest, least};
+use crate::node::View;
+use crate::program::{Bound, Op, Window};
+
+/// The memory of one operator.
+#[derive(Clone, Debug)]
+pub(crate) enum Memory {
+    None,
+    /// The latest values, a ring: `at` is the oldest.
+    Ring { values: Vec<Value>, at: usize },
+    /// The value before, and its stamp.
+    Before { value: f64, stamp: i64 },
+    /// A truth value before.
+    Last(bool),
+    /// Stamps at which the operand held: those that have not reached the lower end of the bound, and the latest that has.
+    Held { pending: VecDeque<i64>, reached: Option<i64> },
+    /// The stamp at which the operand began to hold without a break.
+    Since(Option<i64>),
+    /// The values in a window; for a minimum or maximum only those that may still become it.
+    Window(VecDeque<(i64, f64)>),
+}
+
+impl Memory {
+    /// The memory of an operator that has seen nothing.
+    pub fn new(op: &Op) -> Memory {
+        match op {
+            Op::Lookback(_, n) => Memory::Ring { values: alloc::vec![Value::Missing; *n], at: 0 },
+            Op::Delta(_) | Op::Rate(_) => Memory::Before { value: f64::NAN, stamp: 0 },
+            Op::Previously(_) | Op::Becomes(_) => Memory::Last(false),
+            Op::Once(..) | Op::Since(..) => Memory::Held { pending: VecDeque::new(), reached: None },
+            Op::Held(..) => Memory::Since(None),
+            Op::Window(..) => Memory::Window(VecDeque::new()),
+            Op::Value(_) => Memory::None,
+        }
+    }
+}
+
+/// The operator's value at this position; its register gets it, its memory takes the position in.
+///
+/// `running` is false before position 0, where the instants are looked at only so that `@`, `delta` and `rate` can look back to
+/// them: the past of a property begins at its position 0, so the other operators see nothing there and remember nothing.
+#[inline]
+pub(crate) fn step(op: &Op, memory: &mut Memory, view: &View<'_>, running: bool, out: &mut Value) {
+    match (op, memory) {
+        (Op::Lookback(node, _), Memory::Ring { values, at }) => {
+            if let Some(oldest) = values.get_mut(*at) {
+                core::mem::swap(oldest, out);
+                view.value(*node).store(oldest);
+                *at = (*at + 1) % values.len();
+            } else {
+                view.value(*node).store(out);
+            }
+        }
+        (Op::Delta(node), Memory::Before { value, .. }) => {
+            let now = view.num(*node);
+            *out = Value::Num(now - *value);
+            *value = now;
+        }
+        (Op::Rate(node), Memory::Before { value, stamp }) => {
+            let now = view.num(*node);
+            let seconds = (view.now - *stamp) as f64 / 1e9;
+            *out = Value::Num(if seconds == 0.0 { f64::NAN } else { (now - *value) / seconds });
+            (*value, *stamp) = (now, view.now);
+        }
+        (Op::Value(node), _) => view.value(*node).store(out),
+        (Op::Window(window, ..), _) if !running => {
+            *out = Value::Num(if *window == Window::Count { 0.0 } else { f64::NAN });
+        }
+        (Op::Previously(_) | Op::Becomes(_) | Op::Once(..) | Op::Since(..) | Op::Held(..), _) if !running => {
+            *out = Value::Bool(false);
+        }
+        (Op::Previously(node), Memory::Last(last)) => *out = Value::Bool(core::mem::replace(last, view.bool(*node))),
+        (Op::Becomes(node), Memory::Last(last)) => {
+            let now = view.bool(*node);
+            let before = core::mem::replace(last, now);
+            *out = Value::Bool(now && !before);
+        }
+        (Op::Once(bound, node), Memory::Held { pending, reached }) => {
+            *out = Value::Bool(once(bound, view.bool(*node), view.now, pending, reached));
+        }
+        (Op::Since(bound, left, right), Memory::Held { pending, reached }) => {
+            if !view.bool(*left) {
+                pending.clear();
+                *reached = None;
+            }
+            *out = Value::Bool(once(bound, view.bool(*right), view.now, pending, reached));
+        }
+        (Op::Held(duration, node), Memory::Since(since)) => {
+            *since = if view.bool(*node) { since.or(Some(view.now)) } else { None };
+            *out = Value::Bool(since.is_some_and(|s| s <= view.now.saturating_sub(duration.nanos())));
+        }
+        (Op::Window(window, node, duration), Memory::Window(values)) => {
+            let from = view.now.saturating_sub(duration.nanos());
+            *out = Value::Num(over_window(*window, view, *node, from, values));
+        }
+        _ => *out = Value::Missing,
+    }
+}
+
+/// Whether the operand held at a distance within the bound; it holds now or not.
+#[inline]
+pub(crate) fn once(bound: &Bound, holds: bool, now: i64, pending: &mut VecDeque<i64>, reached: &mut Option<i64>) -> bool {
+    if bound.begun(0) {
+        if holds {
+            *reached = Some(now);
+        }
+    } else {
+        if holds {
+            pending.push_back(now);
+        }
+        while let Some(&stamp) = pending.front() {
+            if !bound.begun(now - stamp) {
+                break;
+            }
+            *reached = Some(stamp);
+            pending.pop_front();
+        }
+    }
+    reached.is_some_and(|stamp| bound.not_over(now - stamp))
+}
+
+fn over_window(window: Window, view: &View<'_>, node: u32, from: i64, values: &mut VecDeque<(i64, f64)>) -> f64 {
+    let value = if window == Window::Count { f64::from(u8::from(view.bool(node))) } else { view.num(node) };
+    while values.front().is_some_and(|&(stamp, _)| stamp < from) {
+        values.pop_front();
+    }
+    match window {
+        Window::Count => {
+            if value == 1.0 {
+                values.push_back((view.now, value));
+            }
+            return values.len() as f64;
+        }
+        _ if value.is_nan() => {}
+        Window::Mean => values.push_back((view.now, value)),
+        Window::Min => push_monotone(values, view.now, value, |old| old >= value),
+        Window::Max => push_monotone(values, view.now, value, |old| old <= value),
+    }
+    match window {
+        // The sum is taken anew each time, oldest first: a running sum would drift with what has left the window.
+        Window::Mean if values.is_empty() => f64::NAN,
+        Window::Mean => values.iter().fold(0.0, |sum, (_, x)| sum + x) / values.len() as f64,
+        Window::Min => least(values.front().map(|v| v.1).into_iter()),
+        _ => greatest(values.front().map(|v| v.1).into_iter()),
+    }
+}
+
+/// Adds a value after dropping those that it outdoes: they cannot become the extreme again.
+fn push_monotone(values: &mut VecDeque<(i64, f64)>, now: i64, value: f64, outdone: impl Fn(f64) -> bool) {
+    while values.back().is_some_and(|&(_, old)| outdone(old)) {
+        values.pop_back();
+    }
+    values.push_back((now, value));
+}

@@ -1,0 +1,204 @@
+//! Obligations: which are open, which failed, and the episodes that failures make.
+
+use alloc::vec::Vec;
+
+use lapwing_stream::Time;
+
+use crate::future::{Decided, Segment};
+use crate::node::View;
+use crate::outcome::Episode;
+use crate::program::{At, Bound, Context, ContextKind, Judged, Tracker};
+use crate::runs::Runs;
+use crate::times::{Pos, Times};
+
+/// The obligations of one conjunct.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct TrackerState {
+    pub open: Runs,
+    pub met: u64,
+    pub failed: u64,
+    /// Whether, were the trace all, an open obligation would be missed: since when.
+    pub unmet_since: Option<i64>,
+    /// Episodes that a further failure may still join.
+    live: Vec<Live>,
+    /// Scratch: the runs that fail in this pass.
+    taken: Vec<(Pos, Pos)>,
+    /// Episodes that are over.
+    pub done: Vec<Episode>,
+}
+
+/// An episode in the making.
+#[derive(Clone, Copy, Debug)]
+struct Live {
+    from: Pos,
+    to: Pos,
+    /// The position of the obligation that failed first.
+    first: Pos,
+    episode: Episode,
+}
+
+impl TrackerState {
+    /// Takes a new position in. Returns whether a failure began an episode, and when its obligation began.
+    pub fn position(
+        &mut self,
+        tracker: &Tracker,
+        n: Pos,
+        segment: &Segment,
+        view: &View<'_>,
+        decided: &[Vec<Decided>],
+        times: &Times,
+    ) -> Option<i64> {
+        if segment.active && is_obliged(tracker, segment, view.now) {
+            match tracker.formula {
+                Judged::State(formula) => {
+                    if view.bool(formula) {
+                        self.met += 1;
+                    } else {
+                        let alarm = self.fail(n, n, view.now, times);
+                        self.seal(n);
+                        return alarm;
+                    }
+                    if !self.live.is_empty() {
+                        self.seal(n);
+                    }
+                    return None;
+                }
+                Judged::Future(_) => self.open.push(n),
+            }
+        }
+        let alarm = self.decide(tracker, decided, view.now, times);
+        if !self.live.is_empty() {
+            self.seal(n);
+        }
+        alarm
+    }
+
+    /// Ends obligations whose formula was decided in this pass, at this time.
+    pub fn decide(&mut self, tracker: &Tracker, decided: &[Vec<Decided>], at: i64, times: &Times) -> Option<i64> {
+        let Judged::Future(formula) = tracker.formula else { return None };
+        let TrackerState { open, met, taken, .. } = self;
+        for d in &decided[formula.id as usize] {
+            if d.value != formula.negated {
+                open.take(d.from, d.to, |a, b| *met += b - a + 1);
+            } else {
+                open.take(d.from, d.to, |a, b| taken.push((a, b)));
+            }
+        }
+        let mut alarm: Option<i64> = None;
+        for i in 0..self.taken.len() {
+            let (from, to) = self.taken[i];
+            let began = self.fail(from, to, at, times);
+            alarm = alarm.or(began);
+        }
+        self.taken.clear();
+        alarm
+    }
+
+    /// What would be missed if the trace were all: the nodes have decided that now.
+    pub fn end(&mut self, tracker: &Tracker, decided: &[Vec<Decided>], times: &Times) {
+        let Judged::Future(formula) = tracker.formula else { return };
+        for d in decided[formula.id as usize].iter().filter(|d| d.value == formula.negated) {
+            if let Some(k) = self.open.at_or_after(d.from).filter(|&k| k <= d.to) {
+                let since = times.at(k);
+                self.unmet_since = Some(self.unmet_since.map_or(since, |s| s.min(since)));
+            }
+        }
+    }
+
+    /// Obligations at `from..=to` failed. Returns when the first began, unless they continue an episode.
+    fn fail(&mut self, from: Pos, to: Pos, at: i64, times: &Times) -> Option<i64> {
+        self.failed += to - from + 1;
+        let began = times.at(from);
+        let mut new = Live {
+            from,
+            to,
+            first: from,
+            episode: Episode { failed: Time(at), began: Time(began), until: Time(at), count: to - from + 1 },
+        };
+        let mut continues = false;
+        self.live.retain(|old| {
+            let touches = old.to + 1 == new.from || new.to + 1 == old.from;
+            if touches {
+                new.absorb(old);
+                continues = true;
+            }
+            !touches
+        });
+        self.live.push(new);
+        (!continues).then_some(began)
+    }
+
+    /// Episodes that nothing open can join any more are over; `n` is the newest position.
+    fn seal(&mut self, n: Pos) {
+        let frontier = self.open.first().unwrap_or(n + 1);
+        let done = &mut self.done;
+        self.live.retain(|l| {
+            let over = l.to + 1 < frontier;
+            if over {
+                done.push(l.episode);
+            }
+            !over
+        });
+    }
+
+    /// All segments closed, or the trace ended: all episodes are over.
+    pub fn seal_all(&mut self) {
+        let done = &mut self.done;
+        self.live.drain(..).for_each(|l| done.push(l.episode));
+    }
+
+    /// A segment of this tracker closed: the next one's failures are another episode.
+    pub fn segment_closed(&mut self) {
+        if self.open.is_empty() {
+            self.seal_all();
+        }
+    }
+}
+
+impl Live {
+    /// Joins a neighbouring episode: the one that failed first gives the beginning.
+    fn absorb(&mut self, other: &Live) {
+        if (other.episode.failed, other.first) < (self.episode.failed, self.first) {
+            (self.first, self.episode.began, self.episode.failed) = (other.first, other.episode.began, other.episode.failed);
+        }
+        self.episode.until = self.episode.until.max(other.episode.until);
+        self.episode.count += other.episode.count;
+        (self.from, self.to) = (self.from.min(other.from), self.to.max(other.to));
+    }
+}
+
+/// Whether an active position of a segment has an obligation.
+#[inline]
+fn is_obliged(tracker: &Tracker, segment: &Segment, now: i64) -> bool {
+    match tracker.at {
+        At::First => segment.first,
+        At::Within(bound) => bound == Bound::ALL || bound.contains(now - segment.start_stamp),
+    }
+}
+
+/// Whether an obligation may still be added, time having come to `now`.
+pub(crate) fn can_add(tracker: &Tracker, contexts: &[Context], segments: &[Segment], now: i64) -> bool {
+    let (open, new) = prospects(tracker.context, contexts, segments);
+    match tracker.at {
+        At::First => new,
+        At::Within(bound) => {
+            let segment = &segments[tracker.context as usize];
+            new || (open && (!bound.has_end() || bound.not_over(now - segment.start_stamp)))
+        }
+    }
+}
+
+/// Whether a context has a segment open, and whether it can have a new one.
+fn prospects(context: u32, contexts: &[Context], segments: &[Segment]) -> (bool, bool) {
+    let segment = &segments[context as usize];
+    let (open, new) = match contexts[context as usize].kind {
+        ContextKind::Whole => return (true, !segment.open),
+        _ => prospects(contexts[context as usize].parent, contexts, segments),
+    };
+    match contexts[context as usize].kind {
+        ContextKind::Whole => (true, false),
+        ContextKind::After { .. } => (segment.open, new || (open && !segment.spent)),
+        ContextKind::Until { again, .. } => (segment.open, new || (open && again)),
+        ContextKind::AfterUntil { .. } | ContextKind::While { .. } => (segment.open, open || new),
+    }
+}

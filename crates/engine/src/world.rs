@@ -1,0 +1,232 @@
+//! Ground truth: where an object is and how it moves, whatever kind of message says so.
+
+use alloc::collections::BTreeMap;
+use alloc::string::{String, ToString};
+
+use lapwing_stream::Value;
+
+use crate::functions::{norm, product, rotate, rotate_back};
+use crate::inputs::Inputs;
+use crate::program::{Object, ObjectSource};
+
+/// How deep a tree of frames may be.
+const DEEPEST: usize = 1000;
+
+/// How many frames are remembered.
+const MOST_FRAMES: usize = 10_000;
+
+/// What is remembered of an object.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ObjectMemory {
+    /// The pose before, and its stamp.
+    before: Option<(i64, Pose)>,
+    /// The latest transform to each frame from its parent.
+    frames: BTreeMap<String, (String, Pose)>,
+}
+
+/// A position and an orientation (x, y, z, w).
+#[derive(Clone, Copy, Debug)]
+struct Pose {
+    position: [f64; 3],
+    turn: [f64; 4],
+}
+
+/// A linear and an angular velocity.
+type Twist = ([f64; 3], [f64; 3]);
+
+impl ObjectMemory {
+    /// A message of a topic that moves the object.
+    pub fn message(&mut self, object: &Object, topic: usize, values: &[Value], now: i64, inputs: &mut Inputs) {
+        let value = |i: usize| values.get(i).unwrap_or(&Value::Missing);
+        match &object.source {
+            ObjectSource::ModelStates { name, pose, twist } => {
+                let Some(i) = index_of(value(*name), &object.name) else { return };
+                if let Some(pose) = nth(value(*pose), i).and_then(pose_of) {
+                    set(object, pose, nth(value(*twist), i).and_then(twist_of), inputs);
+                }
+            }
+            ObjectSource::Odometry { pose, twist } => {
+                if let Some(pose) = pose_of(value(*pose)) {
+                    let turned = twist_of(value(*twist)).map(|(l, a)| (rotate(l, pose.turn), rotate(a, pose.turn)));
+                    set(object, pose, turned, inputs);
+                }
+            }
+            ObjectSource::Pose { pose } => {
+                if let Some(pose) = pose_of(value(*pose)) {
+                    self.moved(object, pose, now, inputs);
+                }
+            }
+            ObjectSource::Tf { topics, fixed, frame } => {
+                let Some((_, field)) = topics.iter().find(|(t, _)| *t == topic) else { return };
+                if self.take_transforms(value(*field), fixed, frame)
+                    && let Some(pose) = self.pose_in(fixed, frame)
+                {
+                    self.moved(object, pose, now, inputs);
+                }
+            }
+        }
+    }
+
+    /// A pose without velocities: they are differences from the one before.
+    fn moved(&mut self, object: &Object, pose: Pose, now: i64, inputs: &mut Inputs) {
+        let twist = match self.before {
+            Some((stamp, before)) if stamp < now => Some(difference(before, pose, (now - stamp) as f64 / 1e9)),
+            _ => None,
+        };
+        set(object, pose, twist, inputs);
+        if self.before.is_none_or(|(stamp, _)| stamp < now) {
+            self.before = Some((now, pose));
+        }
+    }
+
+    /// Stores transforms; whether one of them lies between the two frames.
+    fn take_transforms(&mut self, transforms: &Value, fixed: &str, frame: &str) -> bool {
+        let Value::List(list) = transforms else { return false };
+        let mut stored = alloc::vec::Vec::new();
+        for transform in list {
+            if let Some((parent, child, pose)) = transform_of(transform) {
+                stored.push(child.clone());
+                if self.frames.len() >= MOST_FRAMES && !self.frames.contains_key(&child) {
+                    continue;
+                }
+                self.frames.insert(child, (parent, pose));
+            }
+        }
+        let on_the_way = |from: &str| {
+            let mut at = from.to_string();
+            for _ in 0..DEEPEST {
+                if stored.contains(&at) {
+                    return true;
+                }
+                match self.frames.get(&at) {
+                    Some((parent, _)) => at.clone_from(parent),
+                    None => return false,
+                }
+            }
+            false
+        };
+        on_the_way(frame) || on_the_way(fixed)
+    }
+
+    /// The pose of a frame in another, both hanging from the same root.
+    fn pose_in(&self, fixed: &str, frame: &str) -> Option<Pose> {
+        let (root, of_frame) = self.from_root(frame, fixed)?;
+        if root == fixed {
+            return Some(of_frame);
+        }
+        let (other, of_fixed) = self.from_root(fixed, "")?;
+        (root == other).then(|| compose(inverse(of_fixed), of_frame))
+    }
+
+    /// The pose of a frame in its root, or in `stop`, if that comes first.
+    fn from_root(&self, frame: &str, stop: &str) -> Option<(String, Pose)> {
+        let mut at = frame.to_string();
+        let mut pose = Pose { position: [0.0; 3], turn: [0.0, 0.0, 0.0, 1.0] };
+        for _ in 0..DEEPEST {
+            match self.frames.get(&at) {
+                Some((parent, link)) if at != stop => {
+                    pose = compose(*link, pose);
+                    at.clone_from(parent);
+                }
+                _ => return Some((at, pose)),
+            }
+        }
+        None
+    }
+}
+
+/// Fills the slots that are read of an object.
+fn set(object: &Object, pose: Pose, twist: Option<Twist>, inputs: &mut Inputs) {
+    let mut fill = |i: usize, x: f64| {
+        if let Some(slot) = object.slots[i] {
+            inputs.set(slot, &Value::Num(x));
+        }
+    };
+    pose.position.iter().enumerate().for_each(|(i, &x)| fill(i, x));
+    pose.turn.iter().enumerate().for_each(|(i, &x)| fill(3 + i, x));
+    if let Some((linear, angular)) = twist {
+        linear.iter().enumerate().for_each(|(i, &x)| fill(7 + i, x));
+        angular.iter().enumerate().for_each(|(i, &x)| fill(10 + i, x));
+    }
+}
+
+fn difference(before: Pose, after: Pose, seconds: f64) -> Twist {
+    let linear = core::array::from_fn(|i| (after.position[i] - before.position[i]) / seconds);
+    let [x, y, z, w] = before.turn;
+    let mut turn = product(after.turn, [-x, -y, -z, w]);
+    if turn[3] < 0.0 {
+        // The shorter way round.
+        turn = turn.map(|c| -c);
+    }
+    let sine = norm(&turn[..3]);
+    let angle = 2.0 * libm::atan2(sine, turn[3]);
+    let angular = if sine > 0.0 { core::array::from_fn(|i| turn[i] / sine * angle / seconds) } else { [0.0; 3] };
+    (linear, angular)
+}
+
+fn compose(outer: Pose, inner: Pose) -> Pose {
+    let turned = rotate(inner.position, outer.turn);
+    Pose {
+        position: core::array::from_fn(|i| outer.position[i] + turned[i]),
+        turn: product(outer.turn, inner.turn),
+    }
+}
+
+fn inverse(pose: Pose) -> Pose {
+    let [x, y, z, w] = pose.turn;
+    Pose { position: rotate_back(pose.position, pose.turn).map(|c| -c), turn: [-x, -y, -z, w] }
+}
+
+fn index_of(names: &Value, name: &str) -> Option<usize> {
+    match names {
+        Value::List(list) => list.iter().position(|n| matches!(n, Value::Str(s) if s == name)),
+        _ => None,
+    }
+}
+
+fn nth(array: &Value, i: usize) -> Option<&Value> {
+    match array {
+        Value::List(list) => list.get(i),
+        _ => None,
+    }
+}
+
+fn numbers<const N: usize>(of: &Value, names: [&str; N]) -> Option<[f64; N]> {
+    let mut out = [0.0; N];
+    for (x, name) in out.iter_mut().zip(names) {
+        match of.field(name)? {
+            Value::Num(n) => *x = *n,
+            _ => return None,
+        }
+    }
+    Some(out)
+}
+
+fn pose_of(value: &Value) -> Option<Pose> {
+    Some(Pose {
+        position: numbers(value.field("position")?, ["x", "y", "z"])?,
+        turn: numbers(value.field("orientation")?, ["x", "y", "z", "w"])?,
+    })
+}
+
+fn twist_of(value: &Value) -> Option<Twist> {
+    let part = |name| numbers(value.field(name)?, ["x", "y", "z"]);
+    Some((part("linear")?, part("angular")?))
+}
+
+/// Parent, child, and the child's pose in the parent.
+fn transform_of(value: &Value) -> Option<(String, String, Pose)> {
+    let name = |v: &Value| match v {
+        Value::Str(s) => Some(s.trim_start_matches('/').to_string()),
+        _ => None,
+    };
+    let transform = value.field("transform")?;
+    Some((
+        name(value.field("header")?.field("frame_id")?)?,
+        name(value.field("child_frame_id")?)?,
+        Pose {
+            position: numbers(transform.field("translation")?, ["x", "y", "z"])?,
+            turn: numbers(transform.field("rotation")?, ["x", "y", "z", "w"])?,
+        },
+    ))
+}

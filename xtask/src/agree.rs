@@ -1,0 +1,144 @@
+//! Whether the engine says what the reference says.
+
+use std::fmt;
+
+use lapwing_check::checked::{self, Body, Expr, Kind};
+use lapwing_check::compile::compile;
+use lapwing_engine::{Ending, Program, State};
+use lapwing_reference::{Trace, evaluate};
+use lapwing_stream::{Time, Value, Verdict};
+
+/// What both say of a property, as far as it is compared.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Said {
+    /// The property, with its instance.
+    pub name: String,
+    /// Its verdict.
+    pub verdict: Verdict,
+    /// Whether a success is vacuous.
+    pub vacuous: bool,
+    /// Obligations met, failed and open.
+    pub counts: (usize, usize, usize),
+    /// `(failed, began, until, count)`
+    pub episodes: Vec<(Time, Time, Time, usize)>,
+}
+
+/// How the engine is driven.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Drive {
+    /// Straight through.
+    Straight,
+    /// From a snapshot taken before every sample, the original thrown away.
+    Snapshots,
+}
+
+/// A difference.
+#[derive(Clone, Debug)]
+pub struct Disagreement {
+    /// How the engine was driven.
+    pub drive: Drive,
+    /// What the reference says.
+    pub reference: Vec<Said>,
+    /// What the engine says.
+    pub engine: Vec<Said>,
+}
+
+impl fmt::Display for Disagreement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (reference, engine) in self.reference.iter().zip(&self.engine).filter(|(r, e)| r != e) {
+            writeln!(f, "reference: {reference:?}\nengine:    {engine:?}")?;
+        }
+        if self.reference.len() != self.engine.len() {
+            let names = |said: &[Said]| said.iter().map(|s| s.name.clone()).collect::<Vec<_>>();
+            writeln!(f, "reference: {:?}\nengine:    {:?}", names(&self.reference), names(&self.engine))?;
+        }
+        Ok(())
+    }
+}
+
+/// Compares them on one specification and trace.
+pub fn agree(spec: &checked::Spec, trace: &Trace) -> Result<(), Disagreement> {
+    let mut reference = reference(spec, trace);
+    let program = compile(spec);
+    let forget_vacuity = !counts_entries_exactly(spec);
+    for drive in [Drive::Straight, Drive::Snapshots] {
+        let mut engine = engine(&program, trace, drive);
+        if forget_vacuity {
+            engine.iter_mut().chain(&mut reference).for_each(|s| s.vacuous = false);
+        }
+        if engine != reference {
+            return Err(Disagreement { drive, reference, engine });
+        }
+    }
+    Ok(())
+}
+
+/// Whether the engine counts entries of scopes as the reference does. It does not in two corners: the left operand of `until`, which
+/// the engine takes to be looked at at the last position as well, and what stands inside a scope that opens on a future formula.
+fn counts_entries_exactly(spec: &checked::Spec) -> bool {
+    fn has_scope(e: &Expr) -> bool {
+        matches!(e.kind, Kind::Scope(..) | Kind::AfterUntil(..)) || e.children().into_iter().any(has_scope)
+    }
+    fn exact(e: &Expr) -> bool {
+        let here = match &e.kind {
+            Kind::Until(_, left, _) => !has_scope(left),
+            Kind::Scope(_, x, body) => !x.has_future() || !(has_scope(body) || has_scope(x)),
+            Kind::AfterUntil(x, y, body) => !(x.has_future() || y.has_future()) || ![x, y, body].iter().any(|e| has_scope(e)),
+            _ => true,
+        };
+        here && e.children().into_iter().all(exact)
+    }
+    spec.properties.iter().all(|p| match &p.body {
+        Body::Formula(formula) => exact(formula),
+        _ => true,
+    })
+}
+
+/// What the reference says.
+pub fn reference(spec: &checked::Spec, trace: &Trace) -> Vec<Said> {
+    evaluate(spec, trace)
+        .into_iter()
+        .map(|o| Said {
+            name: o.name,
+            verdict: o.verdict,
+            vacuous: o.vacuous,
+            counts: (o.met, o.failed, o.open),
+            episodes: o.episodes.iter().map(|e| (e.failed, e.began, e.until, e.count)).collect(),
+        })
+        .collect()
+}
+
+/// What the engine says.
+pub fn engine(program: &Program, trace: &Trace, drive: Drive) -> Vec<Said> {
+    let mut state = State::new(program);
+    for sample in trace.iter() {
+        if drive == Drive::Snapshots {
+            let snapshot = state.clone();
+            state = snapshot;
+        }
+        state.feed(program, sample, &mut ());
+    }
+    let ending = Ending { broke_off: trace.broke_off.clone(), lost: trace.lost.clone() };
+    let outcomes = state.finish(program, &ending, &mut ());
+    outcomes
+        .into_iter()
+        .map(|o| Said {
+            name: format!("{}{}", program.properties[o.property].name, instance(&o.instance)),
+            verdict: o.verdict,
+            vacuous: o.vacuous,
+            counts: (o.met as usize, o.failed as usize, o.open as usize),
+            episodes: o.episodes.iter().map(|e| (e.failed, e.began, e.until, e.count as usize)).collect(),
+        })
+        .collect()
+}
+
+/// `[v]` for each value of an instance.
+fn instance(values: &[Value]) -> String {
+    let one = |value: &Value| match value {
+        Value::Num(x) => format!("[{x}]"),
+        Value::Str(s) => format!("[{s}]"),
+        Value::Bool(b) => format!("[{b}]"),
+        other => format!("[{}]", other.kind()),
+    };
+    values.iter().map(one).collect()
+}

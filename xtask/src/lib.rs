@@ -1,0 +1,6 @@
+//! Chores of the repository that tests share with the command line.
+
+#![forbid(unsafe_code)]
+
+pub mod agree;
+pub mod exhaustive;
