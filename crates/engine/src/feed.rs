@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 
 use lapwing_stream::{Sample, Time, Value, Verdict, What};
 
-use crate::group::{Core, Tell, Walk};
+use crate::group::{Core, Walk};
 use crate::inputs::Inputs;
 use crate::machine::MachineMemory;
 use crate::node::{Notes, View};
@@ -46,6 +46,10 @@ struct Piece {
     /// The next instant of a rate.
     tick: u64,
     instants: u64,
+    /// Before this time nothing happens by itself.
+    quiet_until: i64,
+    /// Whether anything ever happens by itself.
+    is_timed: bool,
     /// Per property: a topic that was silent for too long, from when to when.
     stale: Vec<Option<(usize, i64, i64)>>,
     /// Per topic: messages in all, and those that no instant saw.
@@ -83,22 +87,24 @@ impl State {
         if self.piece.is_timed_out(program, now) {
             return;
         }
-        self.piece.pass_time(program, now, &mut |i, o| observer.output(i, o));
+        if now >= self.piece.quiet_until {
+            self.piece.pass_time(program, now, observer);
+        }
         self.piece.last = Some(now);
-        if sample.what == What::Other {
-            return;
+        if !matches!(sample.what, What::Other) {
+            self.piece.t0.get_or_insert(now);
+            self.piece.take_in(program, sample);
+            if program.clock == Clock::Events {
+                self.piece.instant(program, now, observer);
+            }
         }
-        self.piece.t0.get_or_insert(now);
-        self.piece.take_in(program, sample);
-        if program.clock == Clock::Events {
-            self.piece.instant(program, now, &mut |i, o| observer.output(i, o));
-        }
+        self.piece.look_ahead(program);
     }
 
     /// Time went back: what has been ends here, and everything starts anew.
     fn jump(&mut self, program: &Program, to: Time, observer: &mut impl Observer) {
         let from = Time(self.piece.last.unwrap_or_default());
-        let outcomes = self.piece.finish(program, &Ending::default(), &mut |i, o| observer.output(i, o));
+        let outcomes = self.piece.finish(program, &Ending::default(), observer);
         self.before = Some(join(self.before.take(), outcomes));
         self.jumps.push((from, to));
         self.piece = Piece::new(program);
@@ -109,7 +115,7 @@ impl State {
     ///
     /// The state cannot be fed after; to know the outcome so far, finish a clone.
     pub fn finish(&mut self, program: &Program, ending: &Ending, observer: &mut impl Observer) -> Vec<Outcome> {
-        let outcomes = self.piece.finish(program, ending, &mut |i, o| observer.output(i, o));
+        let outcomes = self.piece.finish(program, ending, observer);
         join(self.before.take(), outcomes)
     }
 
@@ -154,6 +160,8 @@ impl Piece {
             last_instant: None,
             tick: 0,
             instants: 0,
+            quiet_until: i64::MIN,
+            is_timed: is_timed(program),
             stale: alloc::vec![None; program.properties.len()],
             messages: alloc::vec![(0, 0); program.topics.len()],
         }
@@ -187,8 +195,19 @@ impl Piece {
         }
     }
 
+    /// Finds out until when nothing happens by itself.
+    #[inline]
+    fn look_ahead(&mut self, program: &Program) {
+        self.quiet_until = i64::MAX;
+        if self.is_timed {
+            let tick = self.next_tick(program);
+            let next = [self.next_flip(program), self.next_bound(program), tick].into_iter().flatten().min();
+            self.quiet_until = next.unwrap_or(i64::MAX);
+        }
+    }
+
     /// Everything that happens before what has the stamp `now` comes in.
-    fn pass_time(&mut self, program: &Program, now: i64, tell: Tell<'_>) {
+    fn pass_time(&mut self, program: &Program, now: i64, tell: &mut impl Observer) {
         match program.clock {
             Clock::Rate(_) => {
                 while let Some(tick) = self.next_tick(program).filter(|&tick| tick < now) {
@@ -204,14 +223,14 @@ impl Piece {
         self.advance(program, now, tell);
     }
 
-    fn tick(&mut self, program: &Program, at: i64, tell: Tell<'_>) {
+    fn tick(&mut self, program: &Program, at: i64, tell: &mut impl Observer) {
         self.advance(program, at, tell);
         self.instant(program, at, tell);
         self.tick += 1;
     }
 
     /// Bounds that end before `now` are over.
-    fn advance(&mut self, program: &Program, now: i64, tell: Tell<'_>) {
+    fn advance(&mut self, program: &Program, now: i64, tell: &mut impl Observer) {
         for (i, (memory, plan)) in self.machines.iter_mut().zip(&program.machines).enumerate() {
             memory.advance(plan, i, &self.inputs, now, tell);
         }
@@ -239,7 +258,7 @@ impl Piece {
     }
 
     /// An instant of its own for those whose comparison of an age changes now, unless one has this stamp.
-    fn flip(&mut self, program: &Program, at: i64, tell: Tell<'_>) {
+    fn flip(&mut self, program: &Program, at: i64, tell: &mut impl Observer) {
         let is_new = self.last_instant != Some(at);
         self.inputs.end_instant();
         for (i, (memory, plan)) in self.machines.iter_mut().zip(&program.machines).enumerate() {
@@ -316,8 +335,8 @@ impl Piece {
     fn filter_event(&mut self, program: &Program, event: usize) {
         let Some((at, when)) = &program.events[event].when else { return };
         let notes = Notes::default();
-        let view = View { at, inputs: &self.inputs, regs: &[], params: &[], now: 0, notes: &notes, seen: &[] };
-        if !view.bool(*when) {
+        let view = View { at, inputs: &self.inputs, bits: &[], values: &[], params: &[], now: 0, notes: &notes, seen: &[] };
+        if !view.holds(*when) {
             self.inputs.events[event].count -= 1;
         }
     }
@@ -334,7 +353,7 @@ impl Piece {
     }
 
     /// An instant that all share.
-    fn instant(&mut self, program: &Program, now: i64, tell: Tell<'_>) {
+    fn instant(&mut self, program: &Program, now: i64, tell: &mut impl Observer) {
         self.instants += 1;
         self.last_instant = Some(now);
         for (i, (memory, plan)) in self.machines.iter_mut().zip(&program.machines).enumerate() {
@@ -348,12 +367,12 @@ impl Piece {
                 core.step(plan, &self.inputs, now, program.open_limit, tell);
             }
         }
-        tell(&self.inputs, Output::Instant(Time(now)));
+        tell.output(&self.inputs, Output::Instant(Time(now)));
         self.inputs.end_instant();
     }
 
     /// The outcome of every property.
-    fn finish(&mut self, program: &Program, ending: &Ending, tell: Tell<'_>) -> Vec<Outcome> {
+    fn finish(&mut self, program: &Program, ending: &Ending, tell: &mut impl Observer) -> Vec<Outcome> {
         let last = self.last.unwrap_or_default();
         while let Some(tick) = self.next_tick(program).filter(|&tick| tick <= last) {
             self.tick(program, tick, tell);
@@ -540,6 +559,13 @@ impl Instances {
             }
         }
     }
+}
+
+/// Whether anything in a program happens by the mere passing of time.
+fn is_timed(program: &Program) -> bool {
+    let ages = program.groups.iter().map(|g| &g.at).chain(program.machines.iter().map(|m| &m.at)).any(|at| !at.ages.is_empty());
+    let stays = program.machines.iter().flat_map(|m| &m.states).any(|s| s.at_most.is_some());
+    program.clock != Clock::Events || ages || stays || program.groups.iter().any(|g| !g.futures.is_empty())
 }
 
 /// By the time of the first failure, then of beginning, then in the order of the text.

@@ -9,12 +9,12 @@ use lapwing_stream::{Time, Value};
 use crate::future::{Decided, Graph, Moment, Segment, step_segments};
 use crate::inputs::Inputs;
 use crate::node::{Notes, View};
-use crate::outcome::Output;
+use crate::outcome::{Observer, Output};
 use crate::past::{self, Memory};
-use crate::program::{Bound, Group, Look, LookKind, Positions};
+use crate::program::{Bound, Group, Judged, Look, LookKind, Positions};
 use crate::runs::Runs;
 use crate::times::{Pos, Times};
-use crate::tracker::TrackerState;
+use crate::tracker::{TrackerState, is_obliged};
 
 /// Where a machine or a group stands in its positions.
 #[derive(Clone, Debug)]
@@ -23,7 +23,9 @@ pub(crate) struct Walk {
     pub started: bool,
     /// For how many instants each read has been defined.
     waited: Vec<usize>,
-    regs: Vec<Value>,
+    /// What the code computed at the latest instant: truth values, and other values.
+    bits: Vec<bool>,
+    values: Vec<Value>,
     memories: Vec<Memory>,
     pub notes: Notes,
     /// For each comparison of an age: the message that its flips count from, and the next flip.
@@ -35,7 +37,8 @@ impl Walk {
         Walk {
             started: false,
             waited: alloc::vec![0; at.reads.len()],
-            regs: alloc::vec![Value::Missing; at.ops.len()],
+            bits: alloc::vec![false; at.ops.len()],
+            values: alloc::vec![Value::Missing; at.ops.len()],
             memories: at.ops.iter().map(Memory::new).collect(),
             notes: Notes { nans: alloc::vec![Cell::new(0); counters], fault: Cell::new(None) },
             flips: alloc::vec![(None, 0); at.ages.len()],
@@ -46,7 +49,7 @@ impl Walk {
     #[inline]
     pub fn enter(&mut self, at: &Positions, inputs: &Inputs, now: i64, params: &[Option<Value>], seen: &[u64]) -> bool {
         if let Some(alphabet) = &at.alphabet {
-            let view = View { at, inputs, regs: &[], params, now, notes: &self.notes, seen };
+            let view = View { at, inputs, bits: &[], values: &[], params, now, notes: &self.notes, seen };
             if !alphabet.iter().any(|&e| view.occurrence(e).is_some()) {
                 return false;
             }
@@ -54,10 +57,12 @@ impl Walk {
         } else if !self.started {
             self.started = self.is_ready(at, inputs);
         }
-        for i in 0..at.ops.len() {
-            let (before, rest) = self.regs.split_at_mut(i);
-            let view = View { at, inputs, regs: before, params, now, notes: &self.notes, seen };
-            past::step(&at.ops[i], &mut self.memories[i], &view, self.started, &mut rest[0]);
+        let Walk { bits, values, memories, notes, started, .. } = self;
+        for (i, (op, memory)) in at.ops.iter().zip(memories).enumerate() {
+            let (bits, rest) = bits.split_at_mut(i);
+            let (values, value) = values.split_at_mut(i);
+            let view = View { at, inputs, bits, values, params, now, notes, seen };
+            past::step(op, memory, &view, *started, &mut rest[0], &mut value[0]);
         }
         if !self.started {
             self.notes.nans.iter().for_each(|n| n.set(0));
@@ -88,7 +93,7 @@ impl Walk {
         params: &'a [Option<Value>],
         seen: &'a [u64],
     ) -> View<'a> {
-        View { at, inputs, regs: &self.regs, params, now, notes: &self.notes, seen }
+        View { at, inputs, bits: &self.bits, values: &self.values, params, now, notes: &self.notes, seen }
     }
 
     /// The next time at which a comparison of an age changes its value.
@@ -135,9 +140,6 @@ pub(crate) struct Core {
     pub overflowed: bool,
 }
 
-/// Who is told of alarms: property, slices' values, began, failed.
-pub(crate) type Tell<'a> = &'a mut dyn FnMut(&Inputs, Output<'_>);
-
 impl Core {
     pub fn new(plan: &Group, counters: usize) -> Core {
         Core {
@@ -153,11 +155,38 @@ impl Core {
     }
 
     /// An instant: a position, if it is one for this group.
-    pub fn step(&mut self, plan: &Group, inputs: &Inputs, now: i64, limit: usize, tell: Tell<'_>) {
+    pub fn step(&mut self, plan: &Group, inputs: &Inputs, now: i64, limit: usize, tell: &mut impl Observer) {
         if !self.walk.enter(&plan.at, inputs, now, &self.key, &[]) {
             return;
         }
         self.positions += 1;
+        if plan.is_plain() { self.judge(plan, inputs, now, tell) } else { self.decide(plan, inputs, now, limit, tell) }
+    }
+
+    /// A position of a group without segments and future operators: its obligations end where they begin.
+    #[inline]
+    fn judge(&mut self, plan: &Group, inputs: &Inputs, now: i64, tell: &mut impl Observer) {
+        let Core { key, walk, graph, trackers, positions, .. } = self;
+        let n = *positions - 1;
+        let whole = &mut graph.segments[0];
+        if n == 0 {
+            (whole.open, whole.active, whole.first, whole.start_stamp) = (true, true, true, now);
+        } else {
+            whole.first = false;
+        }
+        let view = walk.view(&plan.at, inputs, now, key, &[]);
+        for (state, tracker) in trackers.iter_mut().zip(&plan.trackers) {
+            if let Judged::State(formula) = tracker.formula
+                && is_obliged(tracker, whole, now)
+                && let Some(began) = state.judge(view.bool(formula), n, now)
+            {
+                alarm(inputs, tracker.property, key, began, now, tell);
+            }
+        }
+    }
+
+    /// A position of any other group.
+    fn decide(&mut self, plan: &Group, inputs: &Inputs, now: i64, limit: usize, tell: &mut impl Observer) {
         let n = self.times.push(now);
         let Core { key, walk, times, graph, trackers, looks, .. } = self;
         let view = walk.view(&plan.at, inputs, now, key, &[]);
@@ -194,7 +223,7 @@ impl Core {
 
     /// Time goes on to `now`: bounds that end before are over, each at its own time.
     #[inline]
-    pub fn advance(&mut self, plan: &Group, inputs: &Inputs, now: i64, tell: Tell<'_>) {
+    pub fn advance(&mut self, plan: &Group, inputs: &Inputs, now: i64, tell: &mut impl Observer) {
         while let Some((at, closed)) = self.graph.deadline() {
             if !(at < now || (!closed && at == now)) {
                 return;
@@ -254,11 +283,11 @@ fn decide_looks(plan: &Group, graph: &Graph, looks: &mut [LookState]) {
     }
 }
 
-fn alarm(inputs: &Inputs, property: usize, key: &[Option<Value>], began: i64, failed: i64, tell: Tell<'_>) {
+fn alarm(inputs: &Inputs, property: usize, key: &[Option<Value>], began: i64, failed: i64, tell: &mut impl Observer) {
     // A template of instances that do not exist yet is nobody's alarm.
     if key.iter().all(Option::is_some) {
         let (began, failed) = (Time(began), Time(failed));
-        tell(inputs, Output::Alarm { property, instance: key, began, failed, why: None });
+        tell.output(inputs, Output::Alarm { property, instance: key, began, failed, why: None });
     }
 }
 
@@ -312,8 +341,8 @@ impl LookState {
                 }
                 false
             }
-            LookKind::Where { of, node } => at(of) && view.bool(node),
-            LookKind::Unless { of, node } => at(of) && !view.bool(node),
+            LookKind::Where { of, x } => at(of) && view.bool(x),
+            LookKind::Unless { of, x } => at(of) && !view.bool(x),
             LookKind::Next { of } => core::mem::replace(&mut self.before, at(of)),
             LookKind::From { of, bound } => {
                 past::once(&bound, at(of), view.now, &mut self.queue, &mut self.reached)

@@ -6,10 +6,10 @@ use alloc::vec::Vec;
 
 use lapwing_stream::Time;
 
-use crate::group::{Tell, Walk};
+use crate::group::Walk;
 use crate::inputs::Inputs;
 use crate::node::View;
-use crate::outcome::{Episode, Output};
+use crate::outcome::{Episode, Observer, Output};
 use crate::program::{Edge, Machine, MachineState};
 
 /// Where a machine stands. Its current state is in [`Inputs::machines`], for all to read.
@@ -42,7 +42,7 @@ impl MachineMemory {
     }
 
     /// An instant: it looks, and moves.
-    pub fn step(&mut self, plan: &Machine, number: usize, inputs: &mut Inputs, now: i64, tell: Tell<'_>) {
+    pub fn step(&mut self, plan: &Machine, number: usize, inputs: &mut Inputs, now: i64, tell: &mut impl Observer) {
         let was_started = self.walk.started;
         if !self.walk.enter(&plan.at, inputs, now, &[], &self.seen) {
             return;
@@ -76,7 +76,7 @@ impl MachineMemory {
         allowed: bool,
         inputs: &mut Inputs,
         now: i64,
-        tell: Tell<'_>,
+        tell: &mut impl Observer,
     ) {
         let name = |s: Option<usize>| s.and_then(|s| plan.states.get(s)).map_or("undefined", |s| &*s.name);
         let too_soon = from
@@ -107,11 +107,11 @@ impl MachineMemory {
         (self.since, self.overstayed) = (now, false);
     }
 
-    fn fail(&mut self, plan: &Machine, began: i64, failed: i64, why: String, inputs: &Inputs, tell: Tell<'_>) {
+    fn fail(&mut self, plan: &Machine, began: i64, failed: i64, why: String, inputs: &Inputs, tell: &mut impl Observer) {
         let (began, failed) = (Time(began), Time(failed));
         self.failed += 1;
         self.episodes.push(Episode { failed, began, until: failed, count: 1 });
-        tell(inputs, Output::Alarm { property: plan.property, instance: &[], began, failed, why: Some(why) });
+        tell.output(inputs, Output::Alarm { property: plan.property, instance: &[], began, failed, why: Some(why) });
     }
 
     /// The time at which it has been in its state for too long.
@@ -124,7 +124,7 @@ impl MachineMemory {
     }
 
     /// Time goes on to `now`.
-    pub fn advance(&mut self, plan: &Machine, number: usize, inputs: &Inputs, now: i64, tell: Tell<'_>) {
+    pub fn advance(&mut self, plan: &Machine, number: usize, inputs: &Inputs, now: i64, tell: &mut impl Observer) {
         if let Some(at) = self.deadline(plan, number, inputs).filter(|&at| at < now) {
             self.overstayed = true;
             let name = inputs.machines[number].and_then(|s| plan.states.get(s)).map_or("", |s| &*s.name);

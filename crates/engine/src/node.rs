@@ -7,14 +7,16 @@ use lapwing_stream::{Duration, Value};
 
 use crate::functions::{compare, greatest, least, numeric};
 use crate::inputs::Inputs;
-use crate::program::{Arith, Compare, Func, Node, NodeId, Positions};
+use crate::program::{Arith, Bit, Compare, Func, Node, NodeId, Positions};
 
 /// What evaluation needs to see.
 #[derive(Clone, Copy)]
 pub(crate) struct View<'a> {
     pub at: &'a Positions,
     pub inputs: &'a Inputs,
-    pub regs: &'a [Value],
+    /// The truth values and other values that the code has computed so far.
+    pub bits: &'a [bool],
+    pub values: &'a [Value],
     /// The values of the slices of this instance; `None` stands for all values that have not been seen.
     pub params: &'a [Option<Value>],
     pub now: i64,
@@ -81,10 +83,27 @@ struct Vars<'a> {
 }
 
 impl<'a> View<'a> {
-    /// The truth of a formula; what has no value is false.
+    /// The truth of a formula.
     #[inline]
-    pub fn bool(&self, id: NodeId) -> bool {
+    pub fn bool(&self, bit: Bit) -> bool {
+        self.bits[bit.register()] != bit.is_negated()
+    }
+
+    /// The truth of an expression; what has no value is false.
+    #[inline]
+    pub fn holds(&self, id: NodeId) -> bool {
         self.truth(id, None)
+    }
+
+    /// The truth of a signal, a number being true, where that is asked for, when neither zero nor NaN.
+    #[inline]
+    pub fn slot(&self, slot: usize, truth: bool) -> bool {
+        match &self.inputs.slots[slot] {
+            Value::Bool(b) => *b,
+            Value::Num(x) if truth => *x != 0.0 && !x.is_nan(),
+            Value::Missing => false,
+            _ => self.fault(u32::MAX, false),
+        }
     }
 
     /// A number; what has no value is NaN.
@@ -105,6 +124,7 @@ impl<'a> View<'a> {
     #[inline]
     fn truth(&self, id: NodeId, vars: Option<&Vars<'_>>) -> bool {
         match self.node(id) {
+            Node::Bit(bit) => self.bool(*bit),
             Node::Bool(b) => *b,
             Node::Not(a) => !self.truth(*a, vars),
             // Both sides are always evaluated: a NaN on the right counts even where the left decides.
@@ -133,6 +153,11 @@ impl<'a> View<'a> {
     fn number(&self, id: NodeId, vars: Option<&Vars<'_>>) -> f64 {
         match self.node(id) {
             Node::Num(x) => *x,
+            Node::Slot(s) => match &self.inputs.slots[*s] {
+                Value::Num(x) => *x,
+                Value::Missing => f64::NAN,
+                _ => self.fault(id, f64::NAN),
+            },
             Node::Neg(a) => -self.number(*a, vars),
             Node::Arith(op, a, b) => {
                 let (a, b) = (self.number(*a, vars), self.number(*b, vars));
@@ -162,7 +187,7 @@ impl<'a> View<'a> {
     {
         match self.node(id) {
             Node::Slot(s) => self.inputs.value(*s).into(),
-            Node::Reg(r) => (&self.regs[*r as usize]).into(),
+            Node::Reg(r) => (&self.values[*r as usize]).into(),
             Node::Str(s) => Val::Str(s),
             Node::EventField { event, field } => {
                 self.occurrence(*event).and_then(|fields| fields.get(*field)).map_or(Val::None, Val::from)
@@ -198,7 +223,7 @@ impl<'a> View<'a> {
             Node::Num(_) | Node::Neg(_) | Node::Arith(..) | Node::Age(_) | Node::Frequency(..) => {
                 Val::Num(self.number(id, vars))
             }
-            Node::Bool(_) | Node::Not(_) | Node::And(..) | Node::Or(..) | Node::Iff(..) | Node::Compare { .. } => {
+            Node::Bit(_) | Node::Bool(_) | Node::Not(_) | Node::And(..) | Node::Or(..) | Node::Iff(..) | Node::Compare { .. } => {
                 Val::Bool(self.truth(id, vars))
             }
             Node::Event(_) | Node::InState { .. } | Node::Fresh(_) | Node::Updated(_) => Val::Bool(self.truth(id, vars)),

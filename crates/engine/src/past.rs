@@ -6,7 +6,6 @@ use alloc::vec::Vec;
 
 use lapwing_stream::Value;
 
-use crate::functions::{greatest, least};
 use crate::node::View;
 use crate::program::{Bound, Op, Window};
 
@@ -26,6 +25,8 @@ pub(crate) enum Memory {
     Since(Option<i64>),
     /// The values in a window; for a minimum or maximum only those that may still become it.
     Window(VecDeque<(i64, f64)>),
+    /// The stamps in a window at which the operand held.
+    Stamps(VecDeque<i64>),
 }
 
 impl Memory {
@@ -38,17 +39,53 @@ impl Memory {
             Op::Once(..) | Op::Since(..) => Memory::Held { pending: VecDeque::new(), reached: None },
             Op::Held(..) => Memory::Since(None),
             Op::Window(..) => Memory::Window(VecDeque::new()),
-            Op::Value(_) => Memory::None,
+            Op::Count(..) => Memory::Stamps(VecDeque::new()),
+            Op::Slot { .. } | Op::Holds(_) | Op::And(..) | Op::Iff(..) => Memory::None,
         }
     }
 }
 
-/// The operator's value at this position; its register gets it, its memory takes the position in.
+/// One step of the code: the operator's register, a truth value or another, gets its value at this position, and its memory takes
+/// the position in.
 ///
 /// `running` is false before position 0, where the instants are looked at only so that `@`, `delta` and `rate` can look back to
 /// them: the past of a property begins at its position 0, so the other operators see nothing there and remember nothing.
 #[inline]
-pub(crate) fn step(op: &Op, memory: &mut Memory, view: &View<'_>, running: bool, out: &mut Value) {
+pub(crate) fn step(op: &Op, memory: &mut Memory, view: &View<'_>, running: bool, bit: &mut bool, value: &mut Value) {
+    match (op, memory) {
+        (Op::Slot { slot, truth }, _) => *bit = view.slot(*slot, *truth),
+        (Op::Holds(node), _) => *bit = view.holds(*node),
+        (Op::And(a, b), _) => *bit = view.bool(*a) & view.bool(*b),
+        (Op::Iff(a, b), _) => *bit = view.bool(*a) == view.bool(*b),
+        (Op::Lookback(..) | Op::Delta(_) | Op::Rate(_), memory) => look_back(op, memory, view, value),
+        (Op::Window(..) | Op::Count(..), memory) => over_window(op, memory, view, running, value),
+        _ if !running => *bit = false,
+        (Op::Previously(of), Memory::Last(last)) => *bit = core::mem::replace(last, view.bool(*of)),
+        (Op::Becomes(of), Memory::Last(last)) => {
+            let now = view.bool(*of);
+            let before = core::mem::replace(last, now);
+            *bit = now && !before;
+        }
+        (Op::Once(bound, of), Memory::Held { pending, reached }) => {
+            *bit = once(bound, view.bool(*of), view.now, pending, reached);
+        }
+        (Op::Since(bound, left, right), Memory::Held { pending, reached }) => {
+            if !view.bool(*left) {
+                pending.clear();
+                *reached = None;
+            }
+            *bit = once(bound, view.bool(*right), view.now, pending, reached);
+        }
+        (Op::Held(duration, of), Memory::Since(since)) => {
+            *since = if view.bool(*of) { since.or(Some(view.now)) } else { None };
+            *bit = since.is_some_and(|s| s <= view.now.saturating_sub(duration.nanos()));
+        }
+        _ => *bit = false,
+    }
+}
+
+/// The operators that look to earlier instants, before position 0 as well.
+fn look_back(op: &Op, memory: &mut Memory, view: &View<'_>, out: &mut Value) {
     match (op, memory) {
         (Op::Lookback(node, _), Memory::Ring { values, at }) => {
             if let Some(oldest) = values.get_mut(*at) {
@@ -69,37 +106,6 @@ pub(crate) fn step(op: &Op, memory: &mut Memory, view: &View<'_>, running: bool,
             let seconds = (view.now - *stamp) as f64 / 1e9;
             *out = Value::Num(if seconds == 0.0 { f64::NAN } else { (now - *value) / seconds });
             (*value, *stamp) = (now, view.now);
-        }
-        (Op::Value(node), _) => view.value(*node).store(out),
-        (Op::Window(window, ..), _) if !running => {
-            *out = Value::Num(if *window == Window::Count { 0.0 } else { f64::NAN });
-        }
-        (Op::Previously(_) | Op::Becomes(_) | Op::Once(..) | Op::Since(..) | Op::Held(..), _) if !running => {
-            *out = Value::Bool(false);
-        }
-        (Op::Previously(node), Memory::Last(last)) => *out = Value::Bool(core::mem::replace(last, view.bool(*node))),
-        (Op::Becomes(node), Memory::Last(last)) => {
-            let now = view.bool(*node);
-            let before = core::mem::replace(last, now);
-            *out = Value::Bool(now && !before);
-        }
-        (Op::Once(bound, node), Memory::Held { pending, reached }) => {
-            *out = Value::Bool(once(bound, view.bool(*node), view.now, pending, reached));
-        }
-        (Op::Since(bound, left, right), Memory::Held { pending, reached }) => {
-            if !view.bool(*left) {
-                pending.clear();
-                *reached = None;
-            }
-            *out = Value::Bool(once(bound, view.bool(*right), view.now, pending, reached));
-        }
-        (Op::Held(duration, node), Memory::Since(since)) => {
-            *since = if view.bool(*node) { since.or(Some(view.now)) } else { None };
-            *out = Value::Bool(since.is_some_and(|s| s <= view.now.saturating_sub(duration.nanos())));
-        }
-        (Op::Window(window, node, duration), Memory::Window(values)) => {
-            let from = view.now.saturating_sub(duration.nanos());
-            *out = Value::Num(over_window(*window, view, *node, from, values));
         }
         _ => *out = Value::Missing,
     }
@@ -127,29 +133,44 @@ pub(crate) fn once(bound: &Bound, holds: bool, now: i64, pending: &mut VecDeque<
     reached.is_some_and(|stamp| bound.not_over(now - stamp))
 }
 
-fn over_window(window: Window, view: &View<'_>, node: u32, from: i64, values: &mut VecDeque<(i64, f64)>) -> f64 {
-    let value = if window == Window::Count { f64::from(u8::from(view.bool(node))) } else { view.num(node) };
-    while values.front().is_some_and(|&(stamp, _)| stamp < from) {
-        values.pop_front();
-    }
-    match window {
-        Window::Count => {
-            if value == 1.0 {
-                values.push_back((view.now, value));
+/// The operators over a window of positions. Before position 0 there are none.
+fn over_window(op: &Op, memory: &mut Memory, view: &View<'_>, running: bool, out: &mut Value) {
+    let number = match (op, memory) {
+        (Op::Count(of, duration), Memory::Stamps(stamps)) => {
+            let from = view.now.saturating_sub(duration.nanos());
+            while stamps.front().is_some_and(|&stamp| stamp < from) {
+                stamps.pop_front();
             }
-            return values.len() as f64;
+            if running && view.bool(*of) {
+                stamps.push_back(view.now);
+            }
+            stamps.len() as f64
         }
+        (Op::Window(window, node, duration), Memory::Window(values)) if running => {
+            let from = view.now.saturating_sub(duration.nanos());
+            while values.front().is_some_and(|&(stamp, _)| stamp < from) {
+                values.pop_front();
+            }
+            let value = view.num(*node);
+            extreme_or_mean(*window, view.now, value, values)
+        }
+        _ => f64::NAN,
+    };
+    *out = Value::Num(number);
+}
+
+fn extreme_or_mean(window: Window, now: i64, value: f64, values: &mut VecDeque<(i64, f64)>) -> f64 {
+    match window {
         _ if value.is_nan() => {}
-        Window::Mean => values.push_back((view.now, value)),
-        Window::Min => push_monotone(values, view.now, value, |old| old >= value),
-        Window::Max => push_monotone(values, view.now, value, |old| old <= value),
+        Window::Mean => values.push_back((now, value)),
+        Window::Min => push_monotone(values, now, value, |old| old >= value),
+        Window::Max => push_monotone(values, now, value, |old| old <= value),
     }
     match window {
         // The sum is taken anew each time, oldest first: a running sum would drift with what has left the window.
-        Window::Mean if values.is_empty() => f64::NAN,
-        Window::Mean => values.iter().fold(0.0, |sum, (_, x)| sum + x) / values.len() as f64,
-        Window::Min => least(values.front().map(|v| v.1).into_iter()),
-        _ => greatest(values.front().map(|v| v.1).into_iter()),
+        Window::Mean if !values.is_empty() => values.iter().fold(0.0, |sum, (_, x)| sum + x) / values.len() as f64,
+        Window::Mean => f64::NAN,
+        Window::Min | Window::Max => values.front().map_or(f64::NAN, |v| v.1),
     }
 }
 

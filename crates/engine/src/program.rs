@@ -108,7 +108,7 @@ pub struct Positions {
     pub slices: Vec<Slice>,
     /// The expressions.
     pub nodes: Vec<Node>,
-    /// The operators with a memory, in the order of evaluation; the register of the same number holds the result.
+    /// The code, in the order of evaluation.
     pub ops: Vec<Op>,
 }
 
@@ -144,8 +144,38 @@ pub struct Slice {
 
 /// The number of a node.
 pub type NodeId = u32;
-/// The number of a register.
+/// The number of a register: that of the operator that fills it.
 pub type RegId = u32;
+
+/// The truth value in a register, or its negation.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
+pub struct Bit(u32);
+
+impl Bit {
+    /// The truth value in a register.
+    pub fn new(register: RegId) -> Bit {
+        Bit(register << 1)
+    }
+
+    /// The register.
+    #[inline]
+    pub fn register(self) -> usize {
+        (self.0 >> 1) as usize
+    }
+
+    /// Whether the negation is meant.
+    #[inline]
+    pub fn is_negated(self) -> bool {
+        self.0 & 1 == 1
+    }
+}
+
+impl core::ops::Not for Bit {
+    type Output = Bit;
+    fn not(self) -> Bit {
+        Bit(self.0 ^ 1)
+    }
+}
 
 /// An expression without memory of its own. What it stands on has a smaller number.
 #[derive(Clone, Debug, PartialEq)]
@@ -156,8 +186,10 @@ pub enum Node {
     Str(String),
     /// The latest value of a signal.
     Slot(usize),
-    /// The result of an operator.
+    /// The value that an operator computed.
     Reg(RegId),
+    /// The truth value of a formula.
+    Bit(Bit),
     /// Whether an event occurs at this instant.
     Event(usize),
     /// A field of it.
@@ -248,31 +280,40 @@ impl Bound {
     }
 }
 
-/// An operator with a memory. Each reads nodes that stand on registers before its own.
+/// A step of the code that runs at every position: it fills the register of its own number from those before.
+///
+/// Formulas are flat code over truth values, so that each is computed once however many properties share it; only what stands inside
+/// a comparison or a function is a tree of [`Node`]s.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs)]
 pub enum Op {
-    /// The node's value so many instants ago.
+    /// The truth of a signal: a boolean, or (`truth`) a number that is neither zero nor NaN.
+    Slot { slot: usize, truth: bool },
+    /// The truth of an expression.
+    Holds(NodeId),
+    And(Bit, Bit),
+    Iff(Bit, Bit),
+    Previously(Bit),
+    Becomes(Bit),
+    Once(Bound, Bit),
+    /// left since right
+    Since(Bound, Bit, Bit),
+    Held(Duration, Bit),
+    /// At how many positions of the window it held.
+    Count(Bit, Duration),
+    /// The expression's value so many instants ago.
     Lookback(NodeId, usize),
-    /// The node minus its value an instant ago.
+    /// The expression minus its value an instant ago.
     Delta(NodeId),
     /// That, over the seconds since then.
     Rate(NodeId),
-    Previously(NodeId),
-    Becomes(NodeId),
-    Once(Bound, NodeId),
-    /// left since right
-    Since(Bound, NodeId, NodeId),
-    Held(Duration, NodeId),
     Window(Window, NodeId, Duration),
-    /// A value that several others read: computed once.
-    Value(NodeId),
 }
 
 /// Windows over the past.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[allow(missing_docs)]
-pub enum Window { Min, Max, Mean, Count }
+pub enum Window { Min, Max, Mean }
 
 /// Properties with the same positions.
 #[derive(Clone, Debug, Default)]
@@ -287,6 +328,13 @@ pub struct Group {
     pub trackers: Vec<Tracker>,
     /// How often scopes are entered.
     pub looks: Vec<Look>,
+}
+
+impl Group {
+    /// Whether all its obligations are state formulas at positions of the whole trace, and no scope is counted.
+    pub fn is_plain(&self) -> bool {
+        self.futures.is_empty() && self.contexts.len() == 1 && self.looks.is_empty()
+    }
 }
 
 /// The number of a context.
@@ -316,13 +364,13 @@ pub enum ContextKind {
     /// The whole trace.
     Whole,
     /// From the first position with X on.
-    After { x: NodeId },
+    After { x: Bit },
     /// Up to the first position with X; `again` where formulas are asked at later positions too: then from each X to the next.
-    Until { x: NodeId, again: bool },
+    Until { x: Bit, again: bool },
     /// From an X to the next Y.
-    AfterUntil { x: NodeId, y: NodeId },
+    AfterUntil { x: Bit, y: Bit },
     /// Every maximal run of positions with X.
-    While { x: NodeId },
+    While { x: Bit },
 }
 
 /// A node of the graph of future operators: at each position of its context it becomes true or false, at once or later.
@@ -339,18 +387,18 @@ pub struct Future {
 #[allow(missing_docs)]
 pub enum FutureKind {
     /// Known at once.
-    State(NodeId),
+    State(Bit),
     And(FutureRef, FutureRef),
     Eventually(Bound, FutureRef),
     Next(FutureRef),
     /// Both operands known at once.
-    Until(Bound, NodeId, NodeId),
+    Until(Bound, Bit, Bit),
     /// `after X, body`
-    After { x: NodeId, body: FutureRef, inner: ContextId },
+    After { x: Bit, body: FutureRef, inner: ContextId },
     /// `until X, body`, and `before X, body` with `weak`
-    UntilScope { weak: bool, x: NodeId, body: FutureRef, inner: ContextId },
+    UntilScope { weak: bool, x: Bit, body: FutureRef, inner: ContextId },
     /// `after_until` and `while`: the body, in every segment of the inner context, at the first X at or after the position.
-    Each { x: NodeId, body: FutureRef, inner: ContextId },
+    Each { x: Bit, body: FutureRef, inner: ContextId },
     /// What is false inside segments of a `before`, told only when its X comes; where it does not, true.
     Gate { body: FutureRef, before: ContextId },
     /// A formula beyond the operators above (a scope that opens or closes on a future formula, an `until` of future formulas):
@@ -364,7 +412,7 @@ pub struct Replay {
     /// The formula.
     pub terms: Vec<Term>,
     /// The state formulas in it.
-    pub leaves: Vec<NodeId>,
+    pub leaves: Vec<Bit>,
 }
 
 /// A term of a [`Replay`].
@@ -406,7 +454,7 @@ pub struct Tracker {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Judged {
     /// A state formula, decided on the spot.
-    State(NodeId),
+    State(Bit),
     /// A future formula.
     Future(FutureRef),
 }
@@ -443,16 +491,16 @@ pub enum LookKind {
     From { of: u32, bound: Bound },
     /// The position after one that is looked at.
     Next { of: u32 },
-    /// One that is looked at, where the node holds.
-    Where { of: u32, node: NodeId },
-    /// One that is looked at, where the node does not hold.
-    Unless { of: u32, node: NodeId },
+    /// One that is looked at, where X holds.
+    Where { of: u32, x: Bit },
+    /// One that is looked at, where X does not hold.
+    Unless { of: u32, x: Bit },
     /// The first with X at or after one that is looked at.
-    FirstWith { of: u32, x: NodeId },
+    FirstWith { of: u32, x: Bit },
     /// The positions that open segments of `after_until` at or after one that is looked at; an empty one counts.
-    Opens { of: u32, x: NodeId, y: NodeId },
+    Opens { of: u32, x: Bit, y: Bit },
     /// The first positions of runs of X at or after one that is looked at.
-    Runs { of: u32, x: NodeId },
+    Runs { of: u32, x: Bit },
     /// As another look, of an outer context.
     Same { of: u32 },
     /// One that is looked at, once the future formula turns out to hold there. It counts, but no look can stand on it.
@@ -465,7 +513,7 @@ pub struct Machine {
     /// Its positions and expressions.
     pub at: Positions,
     /// When it looks.
-    pub sample: Option<NodeId>,
+    pub sample: Option<Bit>,
     /// The state before the first sample.
     pub initial: usize,
     /// The states in order of precedence.
@@ -483,7 +531,7 @@ pub struct Machine {
 #[allow(missing_docs)]
 pub struct MachineState {
     pub name: String,
-    pub when: Option<NodeId>,
+    pub when: Option<Bit>,
     pub on: Option<usize>,
     pub at_most: Option<Duration>,
     pub at_least: Option<Duration>,
@@ -499,7 +547,7 @@ pub struct Edge {
     pub from: usize,
     pub to: usize,
     pub on: Option<usize>,
-    pub when: Option<NodeId>,
+    pub when: Option<Bit>,
 }
 
 /// A property.

@@ -50,23 +50,26 @@ impl TrackerState {
     ) -> Option<i64> {
         if segment.active && is_obliged(tracker, segment, view.now) {
             match tracker.formula {
-                Judged::State(formula) => {
-                    if view.bool(formula) {
-                        self.met += 1;
-                    } else {
-                        let alarm = self.fail(n, n, view.now, times);
-                        self.seal(n);
-                        return alarm;
-                    }
-                    if !self.live.is_empty() {
-                        self.seal(n);
-                    }
-                    return None;
-                }
+                Judged::State(formula) => return self.judge(view.bool(formula), n, view.now),
                 Judged::Future(_) => self.open.push(n),
             }
         }
         let alarm = self.decide(tracker, decided, view.now, times);
+        if !self.live.is_empty() {
+            self.seal(n);
+        }
+        alarm
+    }
+
+    /// An obligation that begins and ends at the newest position. Returns when it began, if it failed and began an episode.
+    #[inline]
+    pub fn judge(&mut self, holds: bool, n: Pos, now: i64) -> Option<i64> {
+        let mut alarm = None;
+        if holds {
+            self.met += 1;
+        } else {
+            alarm = self.fail((n, n), now, now);
+        }
         if !self.live.is_empty() {
             self.seal(n);
         }
@@ -87,7 +90,7 @@ impl TrackerState {
         let mut alarm: Option<i64> = None;
         for i in 0..self.taken.len() {
             let (from, to) = self.taken[i];
-            let began = self.fail(from, to, at, times);
+            let began = self.fail((from, to), times.at(from), at);
             alarm = alarm.or(began);
         }
         self.taken.clear();
@@ -105,10 +108,9 @@ impl TrackerState {
         }
     }
 
-    /// Obligations at `from..=to` failed. Returns when the first began, unless they continue an episode.
-    fn fail(&mut self, from: Pos, to: Pos, at: i64, times: &Times) -> Option<i64> {
+    /// Obligations at `from..=to`, the first of which began at `began`, failed. Returns that, unless they continue an episode.
+    fn fail(&mut self, (from, to): (Pos, Pos), began: i64, at: i64) -> Option<i64> {
         self.failed += to - from + 1;
-        let began = times.at(from);
         let mut new = Live {
             from,
             to,
@@ -169,7 +171,7 @@ impl Live {
 
 /// Whether an active position of a segment has an obligation.
 #[inline]
-fn is_obliged(tracker: &Tracker, segment: &Segment, now: i64) -> bool {
+pub(crate) fn is_obliged(tracker: &Tracker, segment: &Segment, now: i64) -> bool {
     match tracker.at {
         At::First => segment.first,
         At::Within(bound) => bound == Bound::ALL || bound.contains(now - segment.start_stamp),

@@ -65,7 +65,19 @@ impl Clone for Value {
         }
     }
 
+    #[inline]
     fn clone_from(&mut self, source: &Value) {
+        match (&mut *self, source) {
+            // PERF: scalars of the same kind first; they are nearly all there is.
+            (Value::Bool(to), Value::Bool(from)) => *to = *from,
+            (Value::Num(to), Value::Num(from)) => *to = *from,
+            _ => self.clone_buffers_from(source),
+        }
+    }
+}
+
+impl Value {
+    fn clone_buffers_from(&mut self, source: &Value) {
         match (&mut *self, source) {
             (Value::Str(to), Value::Str(from)) => to.clone_from(from),
             (Value::Nums(to), Value::Nums(from)) => to.clone_from(from),

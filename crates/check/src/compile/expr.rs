@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use lapwing_engine::program::{self as engine, Node, NodeId, Op, Positions};
+use lapwing_engine::program::{self as engine, Bit, Node, NodeId, Op, Positions, RegId};
 use lapwing_stream::Type;
 
 use crate::checked::{self, Connective, Expr, Kind};
@@ -71,30 +71,66 @@ impl<'c> Lowering<'c> {
     }
 
     /// The register of the operator, or of the equal one that is there already.
-    fn op(&mut self, op: Op) -> NodeId {
+    fn op(&mut self, op: Op) -> RegId {
         let key = format!("{op:?}");
-        let next = self.at.ops.len() as u32;
+        let next = self.at.ops.len() as RegId;
         let register = *self.ops.entry(key).or_insert(next);
         if register == next {
             self.at.ops.push(op);
         }
-        self.node(Node::Reg(register))
+        register
     }
 
-    pub fn not(&mut self, of: NodeId) -> NodeId {
+    fn bit(&mut self, op: Op) -> Bit {
+        Bit::new(self.op(op))
+    }
+
+    fn not(&mut self, of: NodeId) -> NodeId {
         match self.at.nodes[of as usize] {
             Node::Not(inner) => inner,
+            Node::Bit(bit) => self.node(Node::Bit(!bit)),
             _ => self.node(Node::Not(of)),
         }
     }
 
-    /// `l implies r`
-    pub fn implies(&mut self, l: NodeId, r: NodeId) -> NodeId {
-        let not_l = self.not(l);
-        self.node(Node::Or(not_l, r))
+    /// `l and r`, in one order whichever way they are written.
+    pub fn and(&mut self, l: Bit, r: Bit) -> Bit {
+        if l == r { l } else { self.bit(Op::And(l.min(r), l.max(r))) }
     }
 
-    /// Lowers an expression without future operators.
+    /// Lowers a formula without future operators.
+    pub fn formula(&mut self, e: &Expr) -> Bit {
+        let op = match &e.kind {
+            Kind::Input(slot) => Op::Slot { slot: *slot, truth: false },
+            Kind::Truth(of) => match of.kind {
+                Kind::Input(slot) => Op::Slot { slot, truth: true },
+                _ => Op::Holds(self.expr(e)),
+            },
+            Kind::Not(of) => return !self.formula(of),
+            Kind::Connective(op, l, r) => {
+                let (l, r) = (self.formula(l), self.formula(r));
+                return match op {
+                    Connective::And => self.and(l, r),
+                    Connective::Or => !self.and(!l, !r),
+                    Connective::Implies => !self.and(l, !r),
+                    Connective::Iff => self.bit(Op::Iff(l, r)),
+                };
+            }
+            Kind::Previously(of) => Op::Previously(self.formula(of)),
+            Kind::Becomes(of) => Op::Becomes(self.formula(of)),
+            Kind::Held(duration, of) => Op::Held(*duration, self.formula(of)),
+            Kind::Once(b, of) => Op::Once(bound(b), self.formula(of)),
+            Kind::Historically(b, of) => {
+                let of = self.formula(of);
+                return !self.bit(Op::Once(bound(b), !of));
+            }
+            Kind::Since(b, l, r) => Op::Since(bound(b), self.formula(l), self.formula(r)),
+            _ => Op::Holds(self.expr(e)),
+        };
+        self.bit(op)
+    }
+
+    /// Lowers an expression: what stands inside a comparison, a function, a quantifier.
     pub fn expr(&mut self, e: &Expr) -> NodeId {
         let node = match &e.kind {
             Kind::Num(x) => Node::Num(*x),
@@ -134,22 +170,17 @@ impl<'c> Lowering<'c> {
             Kind::Lookback(of, depth) => Op::Lookback(self.expr(of), *depth),
             Kind::Delta(of) => Op::Delta(self.expr(of)),
             Kind::Rate(of) => Op::Rate(self.expr(of)),
+            Kind::Window(checked::Window::Count, of, duration) => Op::Count(self.formula(of), *duration),
             Kind::Window(window, of, duration) => Op::Window(self::window(*window), self.expr(of), *duration),
-            Kind::Previously(of) => Op::Previously(self.expr(of)),
-            Kind::Becomes(of) => Op::Becomes(self.expr(of)),
-            Kind::Held(duration, of) => Op::Held(*duration, self.expr(of)),
-            Kind::Once(b, of) => Op::Once(bound(b), self.expr(of)),
-            Kind::Since(b, l, r) => Op::Since(bound(b), self.expr(l), self.expr(r)),
-            Kind::Historically(b, of) => {
-                let of = self.expr(of);
-                let never = Op::Once(bound(b), self.not(of));
-                let register = self.op(never);
-                return self.not(register);
+            Kind::Previously(_) | Kind::Becomes(_) | Kind::Held(..) | Kind::Once(..) | Kind::Historically(..) | Kind::Since(..) => {
+                let bit = self.formula(e);
+                return self.node(Node::Bit(bit));
             }
             // The checker refuses future operators here; what it refused is not compiled.
             _ => return self.node(Node::Bool(false)),
         };
-        self.op(op)
+        let register = self.op(op);
+        self.node(Node::Reg(register))
     }
 
     fn connective(&mut self, op: Connective, l: &Expr, r: &Expr) -> NodeId {
@@ -157,7 +188,10 @@ impl<'c> Lowering<'c> {
         let node = match op {
             Connective::And => Node::And(l, r),
             Connective::Or => Node::Or(l, r),
-            Connective::Implies => return self.implies(l, r),
+            Connective::Implies => {
+                let not_l = self.not(l);
+                Node::Or(not_l, r)
+            }
             Connective::Iff => Node::Iff(l, r),
         };
         self.node(node)
@@ -233,8 +267,7 @@ fn window(window: checked::Window) -> engine::Window {
     match window {
         checked::Window::Min => engine::Window::Min,
         checked::Window::Max => engine::Window::Max,
-        checked::Window::Mean => engine::Window::Mean,
-        checked::Window::Count => engine::Window::Count,
+        checked::Window::Mean | checked::Window::Count => engine::Window::Mean,
     }
 }
 

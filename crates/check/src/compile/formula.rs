@@ -119,7 +119,7 @@ impl Obligations<'_, '_> {
             }
             Kind::Scope(scope, x, body) if !x.has_future() => self.scope(*scope, x, body, place),
             Kind::AfterUntil(x, y, body) if !x.has_future() && !y.has_future() => {
-                let (x, y) = (self.lowering.expr(x), self.lowering.expr(y));
+                let (x, y) = (self.lowering.formula(x), self.lowering.formula(y));
                 let context = self.group.context(place.context, ContextKind::AfterUntil { x, y });
                 self.of(body, &Place { context, gates: place.gates.clone() });
             }
@@ -128,7 +128,7 @@ impl Obligations<'_, '_> {
     }
 
     fn scope(&mut self, scope: Scope, x: &Expr, body: &Expr, place: &Place) {
-        let node = self.lowering.expr(x);
+        let node = self.lowering.formula(x);
         let kind = match scope {
             Scope::After => ContextKind::After { x: node },
             Scope::Until | Scope::Before => ContextKind::Until { x: node, again: false },
@@ -151,9 +151,9 @@ impl Obligations<'_, '_> {
     /// `whenever X, body` is `always (X implies body)`.
     fn whenever(&mut self, x: &Expr, body: &Expr, place: &Place) {
         if !x.has_future() && !body.has_future() && place.gates.is_empty() {
-            let (x, body) = (self.lowering.expr(x), self.lowering.expr(body));
-            let formula = self.lowering.implies(x, body);
-            self.push(place, At::Within(Bound::ALL), Judged::State(formula), false);
+            let (x, body) = (self.lowering.formula(x), self.lowering.formula(body));
+            let fails = self.lowering.and(x, !body);
+            self.push(place, At::Within(Bound::ALL), Judged::State(!fails), false);
             return;
         }
         let x = self.value(x, place.context);
@@ -176,7 +176,7 @@ impl Obligations<'_, '_> {
     /// One obligation per position of `at`.
     fn put(&mut self, f: &Expr, place: &Place, at: At, missed: bool) {
         if !f.has_future() && place.gates.is_empty() {
-            let node = self.lowering.expr(f);
+            let node = self.lowering.formula(f);
             self.push(place, at, Judged::State(node), missed);
         } else {
             let value = self.value(f, place.context);
@@ -205,7 +205,7 @@ impl Obligations<'_, '_> {
     /// The node of a formula in a context.
     fn value(&mut self, f: &Expr, context: u32) -> FutureRef {
         if !f.has_future() {
-            let node = self.lowering.expr(f);
+            let node = self.lowering.formula(f);
             return self.group.future(context, FutureKind::State(node));
         }
         match &f.kind {
@@ -227,7 +227,7 @@ impl Obligations<'_, '_> {
                 self.group.future(context, FutureKind::Next(of))
             }
             Kind::Until(b, l, r) if !l.has_future() && !r.has_future() => {
-                let (l, r) = (self.lowering.expr(l), self.lowering.expr(r));
+                let (l, r) = (self.lowering.formula(l), self.lowering.formula(r));
                 self.group.future(context, FutureKind::Until(bound(b), l, r))
             }
             Kind::Scope(Scope::Whenever, x, body) => {
@@ -237,7 +237,7 @@ impl Obligations<'_, '_> {
             }
             Kind::Scope(scope, x, body) if !x.has_future() => self.scope_value(*scope, x, body, context),
             Kind::AfterUntil(x, y, body) if !x.has_future() && !y.has_future() => {
-                let (x, y) = (self.lowering.expr(x), self.lowering.expr(y));
+                let (x, y) = (self.lowering.formula(x), self.lowering.formula(y));
                 let inner = self.group.context(context, ContextKind::AfterUntil { x, y });
                 let body = self.body(body, inner);
                 self.group.future(context, FutureKind::Each { x, body, inner })
@@ -251,7 +251,7 @@ impl Obligations<'_, '_> {
 
     /// A scope below something that does not split.
     fn scope_value(&mut self, scope: Scope, x: &Expr, body: &Expr, context: u32) -> FutureRef {
-        let x = self.lowering.expr(x);
+        let x = self.lowering.formula(x);
         let kind = match scope {
             Scope::After => ContextKind::After { x },
             Scope::Until | Scope::Before => ContextKind::Until { x, again: true },

@@ -1,6 +1,6 @@
 //! Vacuity: at which positions scopes are looked at, and where they are entered.
 
-use lapwing_engine::program::{Bound, ContextKind, Look, LookKind, NodeId};
+use lapwing_engine::program::{Bit, Bound, ContextKind, Look, LookKind};
 
 use super::expr::bound;
 use super::formula::{GroupLowering, WHOLE};
@@ -27,14 +27,14 @@ impl GroupLowering {
         }) as u32
     }
 
-    /// The node of a state formula.
-    fn node_of(&mut self, e: &Expr) -> NodeId {
-        // Counters of comparisons were given out when the formula was lowered: every node is there already.
+    /// The register of a state formula.
+    fn bit_of(&mut self, e: &Expr) -> Bit {
+        // Counters of comparisons were given out when the formula was lowered: all of it is there already.
         let mut none = u32::MAX / 2;
         let mut lowering = self.expressions.resume(&mut none);
-        let node = lowering.expr(e);
+        let bit = lowering.formula(e);
         self.expressions = lowering.rest();
-        node
+        bit
     }
 }
 
@@ -101,24 +101,24 @@ impl Walk<'_> {
             self.proves(x, counts, context, all);
             return self.of(body, context, all);
         }
-        let node = self.group.node_of(x);
+        let x = self.group.bit_of(x);
         match scope {
             Scope::Whenever => {
-                let entered = self.group.look(context, LookKind::Where { of: all, node }, counts);
+                let entered = self.group.look(context, LookKind::Where { of: all, x }, counts);
                 self.of(body, context, entered);
             }
             Scope::After => {
-                let entered = self.group.look(context, LookKind::FirstWith { of: look, x: node }, counts);
-                self.inside(body, context, ContextKind::After { x: node }, entered);
+                let entered = self.group.look(context, LookKind::FirstWith { of: look, x }, counts);
+                self.inside(body, context, ContextKind::After { x }, entered);
             }
             Scope::Until | Scope::Before => {
-                self.group.look(context, LookKind::FirstWith { of: look, x: node }, counts);
-                let begins = self.group.look(context, LookKind::Unless { of: look, node }, None);
-                self.inside(body, context, ContextKind::Until { x: node, again: true }, begins);
+                self.group.look(context, LookKind::FirstWith { of: look, x }, counts);
+                let begins = self.group.look(context, LookKind::Unless { of: look, x }, None);
+                self.inside(body, context, ContextKind::Until { x, again: true }, begins);
             }
             Scope::While => {
-                let entered = self.group.look(context, LookKind::Runs { of: look, x: node }, counts);
-                self.inside(body, context, ContextKind::While { x: node }, entered);
+                let entered = self.group.look(context, LookKind::Runs { of: look, x }, counts);
+                self.inside(body, context, ContextKind::While { x }, entered);
             }
         }
     }
@@ -139,7 +139,7 @@ impl Walk<'_> {
             self.proves(x, counts, context, all);
             return self.of(body, context, all);
         }
-        let (x, y) = (self.group.node_of(x), self.group.node_of(y));
+        let (x, y) = (self.group.bit_of(x), self.group.bit_of(y));
         let entered = self.group.look(context, LookKind::Opens { of: look, x, y }, counts);
         self.inside(body, context, ContextKind::AfterUntil { x, y }, entered);
     }

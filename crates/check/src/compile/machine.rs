@@ -18,7 +18,7 @@ fn machine(spec: &checked::Spec, number: usize, machine: &checked::Machine, coun
         ..engine::Positions::default()
     };
     let mut lowering = Lowered::new(positions).resume(counters);
-    let mut condition = |when: &Option<checked::Expr>| when.as_ref().map(|e| lowering.expr(e));
+    let mut condition = |when: &Option<checked::Expr>| when.as_ref().map(|e| lowering.formula(e));
     let sample = condition(&machine.sample);
     let event_of = |source: EventSource| spec.events.iter().position(|e| e.source == source);
     let states = machine.states.iter().enumerate().map(|(state, s)| engine::MachineState {

@@ -16,7 +16,7 @@ fn term(e: &Expr, lowering: &mut Lowering<'_>, into: &mut Replay) -> usize {
     let term = if e.has_future() {
         future(e, lowering, into)
     } else {
-        into.leaves.push(lowering.expr(e));
+        into.leaves.push(lowering.formula(e));
         Term::Leaf(into.leaves.len() - 1)
     };
     into.terms.push(term);
@@ -75,7 +75,7 @@ fn future(e: &Expr, lowering: &mut Lowering<'_>, into: &mut Replay) -> Term {
             Term::AfterUntil(x, y, f)
         }
         _ => {
-            into.leaves.push(lowering.expr(e));
+            into.leaves.push(lowering.formula(e));
             Term::Leaf(into.leaves.len() - 1)
         }
     }

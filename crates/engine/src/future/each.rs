@@ -7,7 +7,7 @@ use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
 use super::{Decided, Moment, Operand, Pass};
-use crate::program::NodeId;
+use crate::program::Bit;
 use crate::runs::Runs;
 use crate::times::Pos;
 
@@ -40,7 +40,7 @@ impl State {
 pub(crate) fn step(
     state: &mut State,
     (context, inner): (u32, u32),
-    x: NodeId,
+    x: Bit,
     body: Operand<'_>,
     pass: &Pass<'_>,
     out: &mut Vec<Decided>,

@@ -4,7 +4,7 @@ use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
 use super::{Decided, Moment, Operand, Pass};
-use crate::program::NodeId;
+use crate::program::Bit;
 use crate::runs::Runs;
 use crate::times::Pos;
 
@@ -38,7 +38,7 @@ impl AfterState {
 pub(crate) fn step_after(
     state: &mut AfterState,
     context: u32,
-    x: NodeId,
+    x: Bit,
     body: Operand<'_>,
     pass: &Pass<'_>,
     out: &mut Vec<Decided>,
@@ -80,7 +80,7 @@ pub(crate) fn step_until(
     state: &mut UntilState,
     context: u32,
     weak: bool,
-    x: NodeId,
+    x: Bit,
     body: Operand<'_>,
     pass: &Pass<'_>,
     out: &mut Vec<Decided>,

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::{Decided, Moment, Pass, ends};
-use crate::program::{Bound, NodeId};
+use crate::program::{Bit, Bound};
 use crate::runs::Runs;
 use crate::times::{Pos, Times};
 
@@ -34,7 +34,7 @@ pub(crate) fn step(
     state: &mut State,
     context: u32,
     bound: &Bound,
-    (left, right): (NodeId, NodeId),
+    (left, right): (Bit, Bit),
     pass: &Pass<'_>,
     out: &mut Vec<Decided>,
 ) {
