@@ -4,3 +4,6 @@
 
 pub mod agree;
 pub mod exhaustive;
+pub mod random;
+pub mod suite;
+pub mod tidy;

@@ -1,3 +1,45 @@
-//! Chores of the repository.
+//! `cargo run --release -p xtask -- agree --random 20000 [--seed N]`: whether engine and reference say the same.
 
-fn main() {}
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use xtask::random::{Told, run};
+
+/// Chores of the repository.
+#[derive(Parser)]
+struct Arguments {
+    #[command(subcommand)]
+    chore: Chore,
+}
+
+#[derive(Subcommand)]
+enum Chore {
+    /// Compare engine and reference on specifications and traces at random.
+    Agree {
+        /// How many cases.
+        #[arg(long, default_value_t = 20_000)]
+        random: u64,
+        /// The seed of the first; the others follow it.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Stop after so many differences.
+        #[arg(long, default_value_t = 3)]
+        show: usize,
+    },
+}
+
+fn main() -> ExitCode {
+    let Chore::Agree { random, seed, show } = Arguments::parse().chore;
+    let mut differences = 0;
+    for seed in seed..seed.saturating_add(random) {
+        if let Told::Differed(how) = run(seed) {
+            println!("{how}\n");
+            differences += 1;
+            if differences == show {
+                break;
+            }
+        }
+    }
+    println!("{random} cases from seed {seed} on: {differences} differences{}", if differences == show { " shown, then stopped" } else { "" });
+    if differences == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}

@@ -1,3 +1,44 @@
 //! The command line.
+//!
+//! Each command is a module that reads its arguments, calls the library and gives an [`Exit`]; nothing here judges anything.
 
-fn main() {}
+#![forbid(unsafe_code)]
+
+mod args;
+mod exit;
+
+mod check;
+mod demo;
+mod explain;
+mod fmt;
+mod new;
+
+mod words;
+mod jobs;
+mod sink;
+mod progress;
+mod interrupt;
+mod complain;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Arguments, Command};
+use exit::Exit;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let exit = match arguments.command {
+        Command::Demo(demo) => demo::run(&demo),
+        Command::Check(check) => check::run(&check),
+        Command::Explain(explain) => explain::run(&explain),
+        Command::Fmt(fmt) => fmt::run(&fmt),
+        Command::New(new) => new::run(&new),
+    };
+    exit.unwrap_or_else(|complaint| {
+        complaint.tell();
+        Exit::Wrong
+    })
+    .into()
+}

@@ -12,5 +12,5 @@ mod source;
 
 pub use code::Code;
 pub use diagnostic::{Diagnostic, Label, Severity, has_errors};
-pub use render::{Style, render};
+pub use render::{Style, render, render_short};
 pub use source::{FileId, SourceMap, Span};

@@ -37,12 +37,17 @@ pub struct SourceMap {
 struct Source {
     name: String,
     text: String,
+    /// The byte at which each line begins, in order; the first is 0.
+    lines: Vec<u32>,
 }
 
 impl SourceMap {
     /// Adds a file under the name that reports will use.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<String>) -> FileId {
-        self.files.push(Source { name: name.into(), text: text.into() });
+        let text = text.into();
+        let begins = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(at, _)| at as u32 + 1);
+        let lines = std::iter::once(0).chain(begins).collect();
+        self.files.push(Source { name: name.into(), text, lines });
         FileId(self.files.len() as u32 - 1)
     }
 
@@ -63,9 +68,39 @@ impl SourceMap {
 
     /// Line and column, both from 1, of a span's first byte; columns count characters.
     pub fn position(&self, span: Span) -> (usize, usize) {
-        let before = self.text(span.file).get(..span.start as usize).unwrap_or("");
-        let line = before.bytes().filter(|&b| b == b'\n').count() + 1;
-        let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
-        (line, column)
+        let text = self.text(span.file);
+        let start = text.floor_char_boundary(span.start as usize);
+        let line = self.line(span.file, start);
+        let begin = self.line_start(span.file, line);
+        (line, text.get(begin..start).unwrap_or("").chars().count() + 1)
+    }
+
+    /// The number, from 1, of the line in which a byte stands.
+    pub(crate) fn line(&self, file: FileId, byte: usize) -> usize {
+        let lines = self.files.get(file.0 as usize).map_or(&[][..], |f| &f.lines);
+        lines.partition_point(|&begin| begin as usize <= byte).max(1)
+    }
+
+    /// The first byte of a line, counted from 1; the length of the text where there are fewer lines.
+    pub(crate) fn line_start(&self, file: FileId, line: usize) -> usize {
+        let lines = self.files.get(file.0 as usize).map_or(&[][..], |f| &f.lines);
+        lines.get(line.saturating_sub(1)).map_or(self.text(file).len(), |&begin| begin as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn positions_count_lines_and_characters_from_one() {
+        let mut sources = SourceMap::default();
+        let file = sources.add("a.rv", "ab\né→x\n");
+        let position = |start| sources.position(Span::new(file, start, start));
+        assert_eq!([position(0), position(2), position(3)], [(1, 1), (1, 3), (2, 1)]);
+        assert_eq!([position(5), position(8), position(9)], [(2, 2), (2, 3), (2, 4)]);
+        assert_eq!(position(10), (3, 1), "behind the last newline");
+        assert_eq!([position(4), position(99)], [(2, 1), (3, 1)], "inside a character, behind the end");
+        assert_eq!(sources.position(Span::new(FileId(7), 3, 4)), (1, 1), "no such file");
     }
 }

@@ -60,6 +60,8 @@ struct Piece {
 #[derive(Clone, Debug)]
 struct Instances {
     cores: Vec<Core>,
+    /// Those that count as instances, in the order in which their values were seen.
+    seen: Vec<usize>,
     too_many: bool,
 }
 
@@ -150,10 +152,11 @@ impl State {
 impl Piece {
     fn new(program: &Program) -> Piece {
         let counters = program.properties.iter().flat_map(|p| &p.counters).max().map_or(0, |&c| c as usize + 1);
+        let inputs = Inputs::new(program);
         Piece {
-            inputs: Inputs::new(program),
-            machines: program.machines.iter().map(|m| MachineMemory::new(m, program.slots.len(), counters)).collect(),
-            groups: program.groups.iter().map(|g| Instances::new(g, counters)).collect(),
+            machines: program.machines.iter().map(|m| MachineMemory::new(m, &inputs, counters)).collect(),
+            groups: program.groups.iter().map(|g| Instances::new(g, &inputs, counters)).collect(),
+            inputs,
             objects: alloc::vec![ObjectMemory::default(); program.objects.len()],
             t0: None,
             last: None,
@@ -287,7 +290,10 @@ impl Piece {
     /// The sample's values become the latest.
     fn take_in(&mut self, program: &Program, sample: Sample<'_>) {
         match sample.what {
-            What::Message { topic, values } => self.message(program, topic, values, sample.time.0),
+            What::Message { topic, values } => {
+                self.message(program, topic, values, sample.time.0);
+                self.make_instances(program);
+            }
             What::Row { cells } => {
                 for (slots, value) in program.columns.iter().zip(cells) {
                     slots.iter().for_each(|&slot| self.inputs.set(slot, value));
@@ -297,9 +303,19 @@ impl Piece {
                 if let Some(state) = self.inputs.events.get_mut(event) {
                     state.add(values.iter());
                     self.filter_event(program, event);
+                    self.make_instances(program);
                 }
             }
             What::Other => {}
+        }
+    }
+
+    /// Values of slices may have been seen for the first time.
+    fn make_instances(&mut self, program: &Program) {
+        for (instances, plan) in self.groups.iter_mut().zip(&program.groups) {
+            if !plan.at.slices.is_empty() {
+                instances.make(&plan.at, &self.inputs);
+            }
         }
     }
 
@@ -360,9 +376,6 @@ impl Piece {
             memory.step(plan, i, &mut self.inputs, now, tell);
         }
         for (instances, plan) in self.groups.iter_mut().zip(&program.groups) {
-            if !plan.at.slices.is_empty() {
-                instances.make(&plan.at, &self.inputs);
-            }
             for core in &mut instances.cores {
                 core.step(plan, &self.inputs, now, program.open_limit, tell);
             }
@@ -402,7 +415,8 @@ impl Piece {
             Judge::Machine(m) => alloc::vec![self.machine_outcome(program, number, m, ending)],
             Judge::Group(g) => {
                 let plan = &program.groups[g];
-                let instances = self.groups[g].cores.iter().filter(|c| c.key.iter().all(Option::is_some));
+                let Instances { cores, seen, .. } = &self.groups[g];
+                let instances = seen.iter().map(|&i| &cores[i]);
                 let outcomes: Vec<_> = instances.map(|c| self.core_outcome(program, number, plan, c, ending)).collect();
                 if outcomes.is_empty() {
                     return alloc::vec![blank("no value to make an instance of was seen".to_string())];
@@ -424,12 +438,12 @@ impl Piece {
         };
         let at = &program.machines[machine].at;
         outcome.cause = self.cause(program, number, at, &memory.walk, ending);
-        outcome.verdict = match () {
-            () if outcome.failed > 0 => Verdict::Violated,
-            () if outcome.cause.is_some() => Verdict::Inconclusive,
-            () => Verdict::Holds,
-        };
-        outcome.without_idle_cause()
+        let limit = memory.deadline(&program.machines[machine], machine, &self.inputs);
+        outcome.open = u64::from(limit.is_some());
+        let missed = limit.is_some_and(|limit| Some(limit) <= self.last);
+        outcome.unmet_since = missed.then(|| memory.since());
+        outcome.settle(missed, false, ending);
+        outcome
     }
 
     fn core_outcome(&self, program: &Program, number: usize, plan: &Group, core: &Core, ending: &Ending) -> Outcome {
@@ -465,19 +479,8 @@ impl Piece {
         if self.groups.iter().any(|g| g.too_many) && !plan.at.slices.is_empty() && outcome.cause.is_none() {
             outcome.cause = Some(format!("more than {INSTANCES} values were seen"));
         }
-        outcome.verdict = match () {
-            () if outcome.failed > 0 => Verdict::Violated,
-            () if outcome.cause.is_some() => Verdict::Inconclusive,
-            () if missed && ending.broke_off.is_some() => {
-                outcome.cause.clone_from(&ending.broke_off);
-                Verdict::Inconclusive
-            }
-            () if missed => Verdict::Unmet,
-            () if outcome.open == 0 && !more_to_come => Verdict::Satisfied,
-            () => Verdict::Holds,
-        };
-        outcome.vacuous = outcome.verdict.is_success() && outcome.entered.contains(&0);
-        outcome.without_idle_cause()
+        outcome.settle(missed, !more_to_come, ending);
+        outcome
     }
 
     /// Why a property that did not fail cannot be judged.
@@ -525,38 +528,75 @@ impl Outcome {
         }
     }
 
-    /// A cause belongs to an inconclusive verdict; a violation stands whatever else was not seen.
-    fn without_idle_cause(mut self) -> Outcome {
+    /// The verdict, from the counts and the cause: whether something was missed, and whether no obligation can be added any more.
+    fn settle(&mut self, missed: bool, is_complete: bool, ending: &Ending) {
+        if missed && self.cause.is_none() {
+            self.cause.clone_from(&ending.broke_off);
+        }
+        self.verdict = match () {
+            () if self.failed > 0 => Verdict::Violated,
+            () if self.cause.is_some() => Verdict::Inconclusive,
+            () if missed => Verdict::Unmet,
+            () if self.open == 0 && is_complete => Verdict::Satisfied,
+            () => Verdict::Holds,
+        };
+        self.vacuous = self.verdict.is_success() && self.entered.contains(&0);
         if self.verdict != Verdict::Inconclusive {
+            // A violation stands, whatever else was not seen.
             self.cause = None;
         }
-        self
     }
 }
 
 impl Instances {
-    fn new(plan: &Group, counters: usize) -> Instances {
-        Instances { cores: alloc::vec![Core::new(plan, counters)], too_many: false }
+    fn new(plan: &Group, inputs: &Inputs, counters: usize) -> Instances {
+        let seen = if plan.at.slices.is_empty() { alloc::vec![0] } else { Vec::new() };
+        Instances { cores: alloc::vec![Core::new(plan, inputs, counters)], seen, too_many: false }
     }
 
     /// Makes instances for values that are seen for the first time: each goes on from where its template stands.
+    ///
+    /// Any event with the field makes one, since from then on its slice differs from the others; it counts as an instance once the
+    /// slice's own event has had the value.
     fn make(&mut self, at: &Positions, inputs: &Inputs) {
         for (i, slice) in at.slices.iter().enumerate() {
-            let Some(event) = inputs.events.get(slice.event) else { continue };
-            for value in event.iter().filter_map(|fields| fields.get(slice.field)) {
-                if *value == Value::Missing || self.cores.iter().any(|c| c.key[i].as_ref() == Some(value)) {
-                    continue;
-                }
-                let templates: Vec<_> = self.cores.iter().filter(|c| c.key[i].is_none()).cloned().collect();
-                for mut core in templates {
-                    if self.cores.len() >= INSTANCES {
-                        self.too_many = true;
-                        return;
+            for &(event, field) in &slice.hides {
+                let Some(state) = inputs.events.get(event) else { continue };
+                for value in state.iter().filter_map(|fields| fields.get(field)).filter(|v| **v != Value::Missing) {
+                    self.make_for(i, value);
+                    if event == slice.event {
+                        self.mark(i, value);
                     }
-                    core.key[i] = Some(value.clone());
-                    self.cores.push(core);
                 }
             }
+        }
+    }
+
+    /// The `i`-th slice's own event had the value.
+    fn mark(&mut self, i: usize, value: &Value) {
+        for (number, core) in self.cores.iter_mut().enumerate() {
+            if core.key[i].as_ref() == Some(value) && !core.is_seen[i] {
+                core.is_seen[i] = true;
+                if core.is_instance() {
+                    self.seen.push(number);
+                }
+            }
+        }
+    }
+
+    /// Instances for a value of the `i`-th slice, unless there are some.
+    fn make_for(&mut self, i: usize, value: &Value) {
+        if self.cores.iter().any(|c| c.key[i].as_ref() == Some(value)) {
+            return;
+        }
+        let templates: Vec<_> = self.cores.iter().filter(|c| c.key[i].is_none()).cloned().collect();
+        for mut core in templates {
+            if self.cores.len() >= INSTANCES {
+                self.too_many = true;
+                return;
+            }
+            core.key[i] = Some(value.clone());
+            self.cores.push(core);
         }
     }
 }

@@ -2,7 +2,6 @@
 
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
-use core::cell::Cell;
 
 use lapwing_stream::{Time, Value};
 
@@ -33,14 +32,28 @@ pub(crate) struct Walk {
 }
 
 impl Walk {
-    pub fn new(at: &Positions, counters: usize) -> Walk {
+    /// `inputs` are those before anything has come.
+    pub fn new(at: &Positions, inputs: &Inputs, counters: usize) -> Walk {
+        let mut walk = Walk::blank(at, counters);
+        let Walk { bits, values, memories, notes, .. } = &mut walk;
+        for (i, (op, memory)) in at.ops.iter().zip(memories).enumerate() {
+            let (bits, rest) = bits.split_at_mut(i);
+            let (values, value) = values.split_at_mut(i);
+            let view = View { at, inputs, bits, values, params: &[], now: 0, notes, seen: &inputs.versions };
+            past::prime(op, memory, &view, &mut rest[0], &mut value[0]);
+        }
+        walk.notes = Notes::new(counters);
+        walk
+    }
+
+    fn blank(at: &Positions, counters: usize) -> Walk {
         Walk {
             started: false,
             waited: alloc::vec![0; at.reads.len()],
             bits: alloc::vec![false; at.ops.len()],
             values: alloc::vec![Value::Missing; at.ops.len()],
             memories: at.ops.iter().map(Memory::new).collect(),
-            notes: Notes { nans: alloc::vec![Cell::new(0); counters], fault: Cell::new(None) },
+            notes: Notes::new(counters),
             flips: alloc::vec![(None, 0); at.ages.len()],
         }
     }
@@ -130,6 +143,8 @@ impl Walk {
 pub(crate) struct Core {
     /// The values of the slices; `None` stands for every value not seen so far.
     pub key: Vec<Option<Value>>,
+    /// Whether the slice's own event has had the value.
+    pub is_seen: Vec<bool>,
     pub walk: Walk,
     pub times: Times,
     pub graph: Graph,
@@ -141,10 +156,11 @@ pub(crate) struct Core {
 }
 
 impl Core {
-    pub fn new(plan: &Group, counters: usize) -> Core {
+    pub fn new(plan: &Group, inputs: &Inputs, counters: usize) -> Core {
         Core {
             key: alloc::vec![None; plan.at.slices.len()],
-            walk: Walk::new(&plan.at, counters),
+            is_seen: alloc::vec![false; plan.at.slices.len()],
+            walk: Walk::new(&plan.at, inputs, counters),
             times: Times::default(),
             graph: Graph::new(&plan.contexts, &plan.futures),
             trackers: plan.trackers.iter().map(|_| TrackerState::default()).collect(),
@@ -152,6 +168,11 @@ impl Core {
             positions: 0,
             overflowed: false,
         }
+    }
+
+    /// Whether it is an instance, and no template of instances to come.
+    pub fn is_instance(&self) -> bool {
+        self.is_seen.iter().all(|seen| *seen)
     }
 
     /// An instant: a position, if it is one for this group.

@@ -28,10 +28,10 @@ pub(crate) struct MachineMemory {
 }
 
 impl MachineMemory {
-    pub fn new(plan: &Machine, slots: usize, counters: usize) -> MachineMemory {
+    pub fn new(plan: &Machine, inputs: &Inputs, counters: usize) -> MachineMemory {
         MachineMemory {
-            walk: Walk::new(&plan.at, counters),
-            seen: alloc::vec![0; slots],
+            walk: Walk::new(&plan.at, inputs, counters),
+            seen: alloc::vec![0; inputs.versions.len()],
             since: 0,
             overstayed: false,
             met: 0,
@@ -112,6 +112,11 @@ impl MachineMemory {
         self.failed += 1;
         self.episodes.push(Episode { failed, began, until: failed, count: 1 });
         tell.output(inputs, Output::Alarm { property: plan.property, instance: &[], began, failed, why: Some(why) });
+    }
+
+    /// Since when it is in its state.
+    pub fn since(&self) -> Time {
+        Time(self.since)
     }
 
     /// The time at which it has been in its state for too long.

@@ -34,6 +34,13 @@ pub(crate) struct Notes {
     pub fault: Cell<Option<NodeId>>,
 }
 
+impl Notes {
+    /// Nothing to remark.
+    pub fn new(counters: usize) -> Notes {
+        Notes { nans: alloc::vec![Cell::new(0); counters], fault: Cell::new(None) }
+    }
+}
+
 /// A value, borrowed where it is not a scalar.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Val<'a> {

@@ -45,6 +45,16 @@ impl Memory {
     }
 }
 
+/// Before the first instant a signal has its default: what looks back further than there are instants finds that.
+pub(crate) fn prime(op: &Op, memory: &mut Memory, view: &View<'_>, bit: &mut bool, value: &mut Value) {
+    match (op, &mut *memory) {
+        (Op::Lookback(node, _), Memory::Ring { values, .. }) => values.iter_mut().for_each(|v| view.value(*node).store(v)),
+        (Op::Delta(node), Memory::Before { value, .. }) => *value = view.num(*node),
+        _ => {}
+    }
+    step(op, memory, view, false, bit, value);
+}
+
 /// One step of the code: the operator's register, a truth value or another, gets its value at this position, and its memory takes
 /// the position in.
 ///

@@ -1,1 +1,30 @@
 //! What becomes of a verdict: reports as text, JSON, NDJSON and JUnit.
+//!
+//! A [`Report`] is plain data about one recording: what was read of it, what was said of each property, and why. Whoever checks fills
+//! one in; the renderers here turn it into text and compute nothing. What happens on the way is an [`Event`].
+//!
+//! Reports of several recordings go into one document: [`Format::begin`], then what [`render`] gives for each with
+//! [`Format::between`] between two, then [`end`].
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+mod report;
+mod event;
+mod tally;
+mod format;
+mod shown;
+mod json;
+mod ndjson;
+mod junit;
+mod text;
+
+pub use event::Event;
+pub use format::{Format, end, render};
+pub use lapwing_diag::Style;
+pub use ndjson::line;
+pub use report::{Obligations, Property, Reading, Report, Row, Scope, Topic, Violation, Warning};
+pub use tally::{Standing, Tally};
+
+#[cfg(test)]
+mod tests;

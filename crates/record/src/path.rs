@@ -29,7 +29,9 @@ pub enum Part {
 
 /// A text that is no path.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{text}` is no field path: {what}; write names separated by dots and indices in brackets, as in `poses[0].position.x`")]
+#[error(
+    "`{text}` is no field path: {what}; write names separated by dots and indices in brackets, as in `poses[0].position.x`"
+)]
 pub struct PathError {
     /// The text.
     pub text: String,

@@ -126,10 +126,22 @@ pub struct Number {
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[allow(missing_docs)]
 pub enum Unit {
-    Ns, Us, Ms, S, Min, H,
-    Mm, Cm, M, Km,
-    MPerS, MPerS2,
-    Rad, RadPerS, Deg, DegPerS,
+    Ns,
+    Us,
+    Ms,
+    S,
+    Min,
+    H,
+    Mm,
+    Cm,
+    M,
+    Km,
+    MPerS,
+    MPerS2,
+    Rad,
+    RadPerS,
+    Deg,
+    DegPerS,
     Hz,
 }
 
@@ -233,7 +245,12 @@ pub enum EventSource {
 /// The moments of a GenoM3 activity.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[allow(missing_docs)]
-pub enum ActivityPhase { Start, End, Request, Report }
+pub enum ActivityPhase {
+    Start,
+    End,
+    Request,
+    Report,
+}
 
 /// `Kicker::play`: segments joined by `::`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -468,22 +485,55 @@ pub enum ExprKind {
 /// Binary operators without time.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[allow(missing_docs)]
-pub enum Binary { Add, Sub, Mul, Div, Eq, Ne, Lt, Le, Gt, Ge, And, Or, Implies, Iff }
+pub enum Binary {
+    Add,
+    Sub,
+    Mul,
+    Div,
+    Eq,
+    Ne,
+    Lt,
+    Le,
+    Gt,
+    Ge,
+    And,
+    Or,
+    Implies,
+    Iff,
+}
 
 /// Temporal words before a formula.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[allow(missing_docs)]
-pub enum Prefix { Always, Never, Eventually, Next, Previously, Once, Historically, Becomes }
+pub enum Prefix {
+    Always,
+    Never,
+    Eventually,
+    Next,
+    Previously,
+    Once,
+    Historically,
+    Becomes,
+}
 
 /// Temporal words between formulas.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[allow(missing_docs)]
-pub enum Infix { Until, Since }
+pub enum Infix {
+    Until,
+    Since,
+}
 
 /// The scopes of two parts. (`after_until` has three.)
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[allow(missing_docs)]
-pub enum Scope { After, Until, Before, While, Whenever }
+pub enum Scope {
+    After,
+    Until,
+    Before,
+    While,
+    Whenever,
+}
 
 /// A duration, or the name of one.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,5 +1,29 @@
 //! The text of a specification: lexer, parser, syntax tree, formatter.
+//!
+//! [`parse`] reads a text and never fails: it gives the statements that it understood, and what is wrong with the others.
+//! [`format`] lays a text out canonically, [`print_expr`] shows a formula, [`tokens`] is for editors. Nothing here knows
+//! what a name stands for.
 
 #![forbid(unsafe_code)]
 
 pub mod ast;
+mod format;
+mod lexer;
+mod parser;
+mod print;
+mod text;
+mod token;
+mod unit;
+mod words;
+
+pub use format::format;
+pub use lapwing_diag::FileId;
+pub use parser::{Parsed, parse};
+pub use print::print_expr;
+pub use token::{Place, Role, Token, TokenKind};
+pub use unit::{DurationError, nanoseconds};
+
+/// The tokens of a text, comments among them, each with what it is where it stands: for an editor.
+pub fn tokens(text: &str) -> Vec<Token> {
+    parse(FileId::default(), text).tokens
+}

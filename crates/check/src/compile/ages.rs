@@ -4,7 +4,7 @@ use lapwing_engine::program::AgeFlips;
 use lapwing_stream::Duration;
 
 use super::{below, machine_exprs};
-use crate::checked::{self, Arith, Clock, Compare, Expr, Func, Kind};
+use crate::checked::{self, Arith, Clock, Compare, EventSource, Expr, Func, Kind};
 
 /// The flips that make instants for a property: those of its formula, and those of the machines that it reads.
 pub(crate) fn of_property(spec: &checked::Spec, property: &checked::Property, formula: &Expr) -> Vec<AgeFlips> {
@@ -12,7 +12,18 @@ pub(crate) fn of_property(spec: &checked::Spec, property: &checked::Property, fo
     for &machine in &property.machines {
         merge(&mut flips, of_machine(spec, &spec.machines[machine]));
     }
+    for &event in property.alphabet.iter().flatten() {
+        merge(&mut flips, of_event(spec, event));
+    }
     flips
+}
+
+/// The flips at which a machine may enter or leave a state, where that is what the event is.
+fn of_event(spec: &checked::Spec, event: usize) -> Vec<AgeFlips> {
+    match spec.events[event].source {
+        EventSource::Entered { machine, .. } | EventSource::Left { machine, .. } => of_machine(spec, &spec.machines[machine]),
+        _ => Vec::new(),
+    }
 }
 
 /// The flips that make instants for a machine.
@@ -20,6 +31,10 @@ pub(crate) fn of_machine(spec: &checked::Spec, machine: &checked::Machine) -> Ve
     let mut flips = Vec::new();
     for e in machine_exprs(machine) {
         merge(&mut flips, of_expr(spec, e));
+    }
+    let events = machine.states.iter().filter_map(|s| s.on).chain(machine.edges.iter().filter_map(|e| e.on));
+    for event in events {
+        merge(&mut flips, of_event(spec, event));
     }
     flips
 }
@@ -37,20 +52,21 @@ fn of_expr(spec: &checked::Spec, e: &Expr) -> Vec<AgeFlips> {
     if spec.clock != Clock::Events {
         return flips;
     }
-    below(e, &mut |e| match &e.kind {
-        Kind::Compare { op, margin, left, right } => {
+    below(e, &mut |e| match e.kind {
+        Kind::Compare { op, ref margin, ref left, ref right } => {
             let margin = margin.as_deref().map_or(Some(0.0), constant);
             let found = match (&left.kind, &right.kind) {
-                (Kind::Age(topic), _) => constant(right).map(|c| (*topic, *op, c)),
-                (_, Kind::Age(topic)) => constant(left).map(|c| (*topic, turned(*op), c)),
+                (Kind::Age(topic), _) => constant(right).map(|c| (*topic, op, c)),
+                (_, Kind::Age(topic)) => constant(left).map(|c| (*topic, turned(op), c)),
                 _ => None,
             };
             if let (Some((topic, op, constant)), Some(margin)) = (found, margin) {
                 merge(&mut flips, vec![AgeFlips { topic, after: changes(op, constant, margin) }]);
             }
         }
+        Kind::Event(event) => merge(&mut flips, of_event(spec, event)),
         Kind::InState { machine, .. } => {
-            if let Some(machine) = spec.machines.get(*machine) {
+            if let Some(machine) = spec.machines.get(machine) {
                 merge(&mut flips, of_machine(spec, machine));
             }
         }

@@ -114,7 +114,11 @@ impl Obligations<'_, '_> {
             Kind::Scope(Scope::Whenever, x, body) => self.whenever(x, body, place),
             Kind::Connective(Connective::And, l, r) => {
                 for part in [l, r] {
-                    if part.has_future() { self.of(part, place) } else { self.put(part, place, At::First, true) }
+                    if part.has_future() {
+                        self.of(part, place);
+                    } else {
+                        self.put(part, place, At::First, is_missed_on_nothing(part));
+                    }
                 }
             }
             Kind::Scope(scope, x, body) if !x.has_future() => self.scope(*scope, x, body, place),

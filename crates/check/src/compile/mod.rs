@@ -178,7 +178,7 @@ impl<'a> Grouping<'a> {
             name: property.name.clone(),
             problem: property.problem.clone(),
             topics: topics_of(self.spec, property),
-            stale: stale(self.spec, &property.reads),
+            stale: stale(self.spec, property),
             waits_for: waits_for(self.spec, &property.reads),
             ..engine::Property::default()
         };
@@ -264,18 +264,28 @@ fn topics_of_object(object: &checked::Object) -> Vec<usize> {
     }
 }
 
-/// The topics whose silence a property minds.
-fn stale(spec: &checked::Spec, reads: &[checked::Read]) -> Vec<(usize, lapwing_stream::Duration)> {
-    let inputs = reads.iter().filter_map(|r| match r.what {
-        ReadOf::Input(i) => spec.inputs.get(i),
-        ReadOf::Topic(_) => None,
-    });
-    inputs
-        .filter_map(|input| match input.source {
-            InputSource::Field { topic, .. } => input.stale.map(|limit| (topic, limit)),
-            _ => None,
-        })
-        .collect()
+/// The topics whose silence a property minds: those of the signals in its formula and in the machines that it reads, with a default
+/// or without.
+fn stale(spec: &checked::Spec, property: &checked::Property) -> Vec<(usize, lapwing_stream::Duration)> {
+    let mut stale = Vec::new();
+    let mut visit = |e: &Expr| {
+        if let Kind::Input(i) = e.kind
+            && let (InputSource::Field { topic, .. }, Some(limit)) = (&spec.inputs[i].source, spec.inputs[i].stale)
+            && !stale.contains(&(*topic, limit))
+        {
+            stale.push((*topic, limit));
+        }
+    };
+    let machines: &[usize] = match &property.body {
+        Body::Formula(formula) => {
+            below(formula, &mut visit);
+            &property.machines
+        }
+        Body::Machine(machine) => std::slice::from_ref(machine),
+        Body::None => &[],
+    };
+    machines.iter().flat_map(|&m| machine_exprs(&spec.machines[m])).for_each(|e| below(e, &mut visit));
+    stale
 }
 
 /// What a property waits for, in words: each read, then each topic.

@@ -1,0 +1,90 @@
+//! Functions of a topic, and of a running system.
+
+use lapwing_diag::{Code, Diagnostic};
+use lapwing_stream::Type;
+use lapwing_syntax::ast::{self, ExprKind};
+
+use crate::checked::{Dim, Expr, Input, InputSource, Kind};
+use crate::context::{Cx, Env};
+use crate::expr::plain;
+use crate::names::Named;
+use crate::term::Term;
+
+use super::Call;
+
+/// `age`
+pub(super) fn age(cx: &mut Cx, env: &Env, call: &Call) -> Option<Term> {
+    let [topic] = call.args else { return None };
+    let Some(topic) = topic_number(cx, env, topic) else { return Some(Term::poison(call.span)) };
+    Some(Term::Expr(Expr { kind: Kind::Age(topic), ty: Type::Num { float: true }, dim: Dim::TIME, span: call.span }))
+}
+
+/// `frequency`
+pub(super) fn frequency(cx: &mut Cx, env: &Env, call: &Call) -> Option<Term> {
+    let [topic, duration] = call.args else { return None };
+    let topic = topic_number(cx, env, topic);
+    let duration = cx.duration_of(env, duration);
+    let (Some(topic), Some(duration)) = (topic, duration) else { return Some(Term::poison(call.span)) };
+    let kind = Kind::Frequency(topic, duration);
+    Some(Term::Expr(Expr { kind, ty: Type::Num { float: true }, dim: Dim::FREQUENCY, span: call.span }))
+}
+
+/// `fresh`
+pub(super) fn fresh(cx: &mut Cx, env: &Env, call: &Call) -> Option<Term> {
+    let [topic] = call.args else { return None };
+    let Some(topic) = topic_number(cx, env, topic) else { return Some(Term::poison(call.span)) };
+    Some(Term::Expr(plain(Kind::Fresh(topic), Type::Bool, call.span)))
+}
+
+/// `publishers`: only a live monitor can count them.
+pub(super) fn publishers(cx: &mut Cx, env: &Env, call: &Call) -> Option<Term> {
+    let [topic] = call.args else { return None };
+    let Some(topic) = topic_named(cx, env, topic) else { return Some(Term::poison(call.span)) };
+    let label = format!("publishers({})", topic.absolute());
+    Some(of_the_system(cx, label, Type::Num { float: false }, call))
+}
+
+/// `running(C.A)`: only a component system says what runs.
+pub(super) fn running(cx: &mut Cx, _: &Env, call: &Call) -> Option<Term> {
+    let [ast::Expr { kind: ExprKind::Path(idents), .. }] = call.args else { return None };
+    let activity = idents.iter().map(|i| i.name.as_str()).collect::<Vec<_>>().join(".");
+    Some(of_the_system(cx, format!("running {activity}"), Type::Bool, call))
+}
+
+/// A signal that only a running system has.
+fn of_the_system(cx: &mut Cx, label: String, ty: Type, call: &Call) -> Term {
+    if cx.trace.is_some_and(|t| !t.live) {
+        cx.found.blame(format!("`{label}` is known only of a running system, not from a recording"));
+    }
+    let source = InputSource::Column(cx.column(&label));
+    Term::Expr(cx.input(Input { label, source, ty, dim: Dim::UNKNOWN, default: None, stale: None }, call.span))
+}
+
+fn topic_number(cx: &mut Cx, env: &Env, arg: &ast::Expr) -> Option<usize> {
+    let topic = topic_named(cx, env, arg)?;
+    Some(cx.open(env, &topic, None).topic)
+}
+
+/// The topic that an argument names: itself, by a parameter, or by a signal that is declared on it.
+fn topic_named(cx: &mut Cx, env: &Env, arg: &ast::Expr) -> Option<ast::Topic> {
+    match &arg.kind {
+        ExprKind::Topic(topic) => return Some(topic.clone()),
+        ExprKind::Path(idents) if idents.len() == 1 => {
+            let name = idents[0].name.as_str();
+            if let Some((_, bound)) = env.params.iter().find(|(param, _)| *param == name) {
+                let caller = env.caller.map_or_else(Env::default, Env::clone);
+                return topic_named(cx, &caller, bound);
+            }
+            if let Some(Named::Decl(decl)) = cx.names.get(name) {
+                return Some(decl.topic.clone());
+            }
+        }
+        _ => {}
+    }
+    let text = cx.sources.slice(arg.span).to_owned();
+    let diagnostic = Diagnostic::new(Code::WrongArguments, arg.span, "a topic is wanted here")
+        .label("no topic")
+        .help(format!("a topic begins with a slash: `/{text}`"));
+    cx.report(env, diagnostic);
+    None
+}

@@ -1,0 +1,59 @@
+//! What a specification is checked against besides itself: the topics, types, columns and events of one trace.
+
+use std::sync::Arc;
+
+use lapwing_stream::Schema;
+
+/// The shape of a trace: what it carries, without its data.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TraceShape {
+    /// Its topics.
+    pub topics: Vec<TraceTopic>,
+    /// Its columns: those of CSV, the names of NDJSON's `values`.
+    pub columns: Vec<String>,
+    /// Whether it is a trace without schemas, CSV or NDJSON, in which an undeclared name is a column.
+    pub schemaless: bool,
+    /// Whether further columns, topics and events may turn up later: NDJSON that is still growing.
+    pub columns_open: bool,
+    /// The names of its events.
+    pub events: Vec<String>,
+    /// Whether it is a running system and no recording: only there calls, returns and publishers can be seen.
+    pub live: bool,
+}
+
+/// A topic of a trace.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TraceTopic {
+    /// Its absolute name.
+    pub name: String,
+    /// Its full type: `nav_msgs/Odometry`; ROS 2's `nav_msgs/msg/Odometry` is taken as well.
+    pub type_name: String,
+    /// The definition of the type, where the trace carries one.
+    pub schema: Option<Arc<Schema>>,
+}
+
+impl TraceShape {
+    /// The topic of that name.
+    pub fn topic(&self, name: &str) -> Option<&TraceTopic> {
+        self.topics.iter().find(|t| t.name == name)
+    }
+
+    /// Whether there is a column of that name.
+    pub fn has_column(&self, name: &str) -> bool {
+        self.columns.iter().any(|c| c == name)
+    }
+}
+
+/// A type's name without ROS 2's `msg`: `nav_msgs/msg/Odometry` is `nav_msgs/Odometry`.
+pub(crate) fn plain_type(name: &str) -> String {
+    name.replace("/msg/", "/")
+}
+
+/// Whether a type as a specification writes it, with or without its package, is the trace's `full` type.
+pub(crate) fn is_type(package: Option<&str>, short: &str, full: &str) -> bool {
+    let full = plain_type(full);
+    match package {
+        Some(package) => full == format!("{package}/{short}"),
+        None => full.rsplit(['/', '.']).next() == Some(short),
+    }
+}

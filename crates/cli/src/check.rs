@@ -1,0 +1,133 @@
+//! `lapwing check`: recordings against specifications.
+
+use std::path::PathBuf;
+use std::thread;
+
+use indicatif::{MultiProgress, ProgressBar};
+use lapwing::{Options, Report, Session, Spec, Watch};
+use lapwing_diag::Style;
+use lapwing_react::{Event, Format, Standing, Tally, end, line, render};
+
+use crate::args::Check;
+use crate::complain::{Complaint, say, styles};
+use crate::exit::Exit;
+use crate::sink::{Chunk, Sink};
+use crate::words::{Words, recordings, specs};
+use crate::{interrupt, jobs, progress};
+
+/// Runs the command.
+pub fn run(check: &Check) -> Result<Exit, Complaint> {
+    let words = Words::sort(&check.words)?;
+    let (stdout, stderr) = styles(check.color);
+    let specs = specs(&words.specs, stderr)?;
+    let mut traces = recordings(&words.traces)?;
+    if let Some(shard) = check.shard {
+        let mut number = 0..;
+        traces.retain(|_| number.next().is_some_and(|n| shard.has(n)));
+    }
+    let plan = Plan {
+        specs: &specs,
+        traces: &traces,
+        options: Options { recording: check.reading.options(), until_first_violation: check.until_first_violation },
+        format: check.format.into(),
+        quiet: check.quiet,
+        styles: (stdout, stderr),
+    };
+    if !check.quiet {
+        specs.iter().for_each(|spec| say(&spec.findings().render(stderr)));
+    }
+    interrupt::listen();
+    let cores = || thread::available_parallelism().map_or(1, |n| n.get());
+    Ok(plan.carry_out(check.jobs.map_or_else(cores, |n| n.get())))
+}
+
+/// What is to be checked, and how it is to be told.
+struct Plan<'p> {
+    specs: &'p [Spec],
+    traces: &'p [PathBuf],
+    options: Options,
+    format: Format,
+    quiet: bool,
+    /// Of stdout and of stderr.
+    styles: (Style, Style),
+}
+
+impl Plan<'_> {
+    fn carry_out(&self, threads: usize) -> Exit {
+        let bars = progress::bars(!self.quiet);
+        let sink = Sink::new(self.format.between(), bars.clone());
+        sink.frame(self.format.begin());
+        let results = jobs::spread(self.traces.len(), threads, |number| {
+            let tally = self.one(number, &sink, &bars);
+            sink.done(number);
+            tally
+        });
+        let mut tally = Tally::default();
+        results.iter().for_each(|(_, one)| tally.join(one));
+        let is_silent = self.format == Format::Text && self.quiet && tally.standing() == Standing::Good;
+        if !is_silent {
+            sink.frame(&end(&tally, self.format, self.styles.0));
+        }
+        let unread = self.traces.len() - results.len();
+        if unread > 0 {
+            say(&format!("{unread} of {} recordings were not checked\n", self.traces.len()));
+        }
+        Exit::of(tally.standing(), unread == 0)
+    }
+
+    /// Checks one recording, and says what is to be said of it.
+    fn one(&self, number: usize, sink: &Sink, bars: &MultiProgress) -> Tally {
+        let trace = &self.traces[number];
+        let bar = progress::bar(bars, trace);
+        let mut witness = Witness { trace: &trace.to_string_lossy(), number, sink, format: self.format, bar: &bar };
+        let report = match Session::open(self.specs, trace, &self.options) {
+            Ok(session) => {
+                if !self.quiet {
+                    session.findings(self.styles.1).into_iter().for_each(|text| sink.tell(number, Chunk::Note(text)));
+                }
+                session.run(&mut witness)
+            }
+            Err(why) => lapwing::unopened(self.specs, trace, &why, &mut witness),
+        };
+        bar.finish_and_clear();
+        if !self.is_left_out(&report) {
+            sink.tell(number, Chunk::Part(render(&report, self.format, self.styles.0)));
+        }
+        let mut tally = Tally::default();
+        tally.add(&report);
+        tally
+    }
+
+    /// Whether nothing is said of a recording: all is well with it, and only what is not is wanted.
+    fn is_left_out(&self, report: &Report) -> bool {
+        self.quiet && self.format == Format::Text && report.standing() == Standing::Good
+    }
+}
+
+/// Looks on while a recording is read.
+struct Witness<'w> {
+    trace: &'w str,
+    number: usize,
+    sink: &'w Sink,
+    format: Format,
+    bar: &'w ProgressBar,
+}
+
+impl Watch for Witness<'_> {
+    fn event(&mut self, event: Event<'_>) {
+        if self.format == Format::Ndjson {
+            self.sink.tell(self.number, Chunk::Part(line(self.trace, event)));
+        }
+    }
+
+    fn progress(&mut self, read: u64, of: u64) {
+        if of > 0 {
+            self.bar.set_length(of);
+        }
+        self.bar.set_position(read);
+    }
+
+    fn goes_on(&mut self) -> bool {
+        !interrupt::is_stopped()
+    }
+}

@@ -1,0 +1,93 @@
+//! `lapwing explain`: what a specification, or a diagnostic code, means.
+
+use std::fmt::Write as _;
+use std::io::{self, Write as _};
+use std::path::PathBuf;
+
+use lapwing::explain::{Explained, Explanation, dot, explain, mermaid};
+use lapwing::{Options, Spec};
+use lapwing_diag::Code;
+
+use crate::args::{Explain, Picture};
+use crate::complain::{Complaint, say, styles};
+use crate::exit::Exit;
+use crate::words;
+
+/// Runs the command.
+pub fn run(arguments: &Explain) -> Result<Exit, Complaint> {
+    let text = match words::is_spec(&arguments.what) {
+        true => specification(arguments)?,
+        false => code(&arguments.what)?,
+    };
+    // Where nobody reads it there is nothing to be done.
+    drop(io::stdout().write_all(text.as_bytes()));
+    Ok(Exit::Good)
+}
+
+/// The page of a diagnostic code.
+fn code(name: &str) -> Result<String, Complaint> {
+    // As it stands in a message: `error[unknown-name]`.
+    let name = name.split_once('[').map_or(name, |(_, rest)| rest.trim_end_matches(']'));
+    if let Some(code) = Code::from_name(name) {
+        return Ok(format!("{}\n", code.page().trim_end()));
+    }
+    let complaint = Complaint::new(format!("`{name}` is neither a specification (*.rv) nor a diagnostic code"));
+    let near = Code::ALL.iter().map(|c| (strsim::damerau_levenshtein(name, c.name()), c.name())).min();
+    Err(match near {
+        Some((far, near)) if far <= 1 + name.len() / 4 => complaint.help(format!("did you mean `{near}`?")),
+        _ => complaint.help("a code is the word in brackets of a message: `error[unknown-name]`"),
+    })
+}
+
+fn specification(arguments: &Explain) -> Result<String, Complaint> {
+    let (_, style) = styles(clap::ColorChoice::Auto);
+    let specs = words::specs(&[PathBuf::from(&arguments.what)], style)?;
+    let Some(spec) = specs.first() else { return Ok(String::new()) };
+    say(&spec.findings().render(style));
+    let no_diagram = || Complaint::new(format!("{}: there is no state diagram (`machine`) in it", arguments.what));
+    match arguments.format {
+        Picture::Text => {}
+        Picture::Dot => return dot(spec).ok_or_else(no_diagram),
+        Picture::Mermaid => return mermaid(spec).ok_or_else(no_diagram),
+        Picture::Svg => {
+            return Err(Complaint::new("--format svg is not there yet")
+                .help(format!("`lapwing explain {} --format dot | dot -Tsvg` draws it with Graphviz", arguments.what)));
+        }
+    }
+    let trace = arguments.trace.as_deref().map(words::recording).transpose()?;
+    let options = Options { recording: arguments.reading.options(), ..Options::default() };
+    let explanation = explain(spec, trace.as_deref(), &options, style).map_err(|e| Complaint::new(e.to_string()))?;
+    explanation.findings.iter().for_each(|text| say(text));
+    Ok(text(spec, &explanation))
+}
+
+fn text(spec: &Spec, explanation: &Explanation) -> String {
+    let mut out = format!("{}: {}\n", spec.name(), explanation.clock);
+    if !explanation.topics.is_empty() {
+        out += "It reads:\n";
+        explanation.topics.iter().for_each(|topic| out += &format!("  {topic}\n"));
+    }
+    explanation.properties.iter().for_each(|property| out += &one(property));
+    if explanation.properties.is_empty() {
+        out += "\nIt has no property: nothing would be checked.\n";
+    }
+    out
+}
+
+fn one(property: &Explained) -> String {
+    let mut out = format!("\n{} (line {})\n", property.name, property.line);
+    property.text.lines().for_each(|line| out += &format!("    {line}\n"));
+    let mut row = |what: &str, text: &str| {
+        if !text.is_empty() {
+            let _ = writeln!(out, "  {what:<8} {text}");
+        }
+    };
+    row("means", &property.words);
+    row("formula", &property.formula);
+    property.reads.iter().enumerate().for_each(|(n, read)| row(if n == 0 { "reads" } else { "" }, read));
+    row("known", &format!("a failure is known {}", property.known));
+    row("memory", &property.memory);
+    property.reactions.iter().for_each(|reaction| row("then", reaction));
+    row("problem", property.problem.as_deref().unwrap_or_default());
+    out
+}

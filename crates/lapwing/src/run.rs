@@ -1,0 +1,199 @@
+//! One specification over one recording.
+
+use lapwing_check::{checked, compile};
+use lapwing_diag::{Code, Diagnostic, Severity};
+use lapwing_engine::{Program, State};
+use lapwing_react::{Property, Topic, Violation, Warning};
+use lapwing_record::Item;
+use lapwing_stream::{Time, Verdict};
+
+use crate::account::{self, Notes};
+use crate::hints::Latch;
+use crate::intake::{Intake, Wants};
+use crate::losses::Damage;
+use crate::shown;
+use crate::spec::Spec;
+use crate::witness::{Interest, Witness};
+
+/// A share of messages that no instant saw, beyond which there is a warning.
+const UNSEEN: f64 = 0.1;
+
+/// One specification over one recording.
+pub(crate) struct Run<'s> {
+    spec: &'s Spec,
+    meaning: checked::Spec,
+    /// What the recording revealed of the specification.
+    pub diagnostics: Vec<Diagnostic>,
+    program: Program,
+    state: State,
+    intake: Intake,
+    witness: Witness,
+    latches: Vec<Option<Latch>>,
+    /// The properties as they are before anything is known of them.
+    pub blanks: Vec<Property>,
+    last: Option<Time>,
+    /// What was counted before the latest jump of time.
+    before: Counts,
+    /// How many violations have been told.
+    told: usize,
+    /// How many jumps have been told.
+    jumps_told: usize,
+}
+
+/// Messages and unseen ones by topic, and instants.
+#[derive(Clone, Debug, Default)]
+struct Counts {
+    messages: Vec<(u64, u64)>,
+    instants: u64,
+}
+
+impl<'s> Run<'s> {
+    /// A run over a recording that has been checked; `wants` gets what is to be read of it.
+    pub fn new(spec: &'s Spec, checked: lapwing_check::Checked, wants: &mut Wants) -> Run<'s> {
+        let diagnostics = checked.beyond(&spec.findings().diagnostics).cloned().collect();
+        let meaning = checked.spec;
+        let program = compile::compile(&meaning);
+        let latches: Vec<_> = meaning.properties.iter().map(|p| Latch::of(spec, p)).collect();
+        let interest = |(property, latch): (&checked::Property, &Option<Latch>)| Interest {
+            shown: shown::of(spec, &meaning, property),
+            latch: latch.clone(),
+        };
+        let interests = meaning.properties.iter().zip(&latches).map(interest).collect();
+        Run {
+            spec,
+            diagnostics,
+            state: State::new(&program),
+            intake: Intake::new(&meaning, wants),
+            witness: Witness::new(meaning.inputs.len(), interests),
+            latches,
+            blanks: meaning.properties.iter().map(|p| account::blank(spec, &meaning, p)).collect(),
+            last: None,
+            before: Counts { messages: vec![(0, 0); meaning.topics.len()], instants: 0 },
+            told: 0,
+            jumps_told: 0,
+            meaning,
+            program,
+        }
+    }
+
+    /// Takes in what comes next.
+    pub fn take(&mut self, item: &Item<'_>) {
+        let back = self.last.is_some_and(|last| item.time() < last);
+        let before = back.then(|| (self.counts(), self.state.jumps().len()));
+        let sample = self.intake.sample(item);
+        self.state.feed(&self.program, sample, &mut self.witness);
+        self.last = Some(item.time());
+        if let Some((counts, jumps)) = before
+            && self.state.jumps().len() > jumps
+        {
+            self.before = counts;
+        }
+    }
+
+    /// What was counted so far.
+    fn counts(&self) -> Counts {
+        let add = |(topic, (messages, unseen)): (usize, &(u64, u64))| {
+            let (m, u) = self.state.messages(topic);
+            (messages + m, unseen + u)
+        };
+        Counts {
+            messages: self.before.messages.iter().enumerate().map(add).collect(),
+            instants: self.before.instants + self.state.instants(),
+        }
+    }
+
+    /// The next violation that has not been told, with the property that it is of.
+    pub fn news(&mut self) -> Option<(Property, Violation)> {
+        let found = self.witness.found().get(self.told)?;
+        self.told += 1;
+        let blank = self.blanks.get(found.property)?;
+        let name = account::name(&blank.name, &found.instance);
+        Some((Property { name, verdict: Verdict::Violated, ..blank.clone() }, found.violation.clone()))
+    }
+
+    /// The next jump of time that has not been told.
+    pub fn jump(&mut self) -> Option<Warning> {
+        let (from, to) = *self.witness.jumps().get(self.jumps_told)?;
+        self.jumps_told += 1;
+        let what = match to < from {
+            true => format!("time jumped back from {from} to {to}"),
+            false => format!("nothing came between {from} and {to}, longer than a rate can count"),
+        };
+        Some(Warning::plain(format!("{what}: every monitor of {} started anew", self.spec.name())))
+    }
+
+    /// How many instants there were.
+    pub fn instants(&self) -> u64 {
+        self.counts().instants
+    }
+
+    /// What came of each topic.
+    pub fn topics(&self) -> Vec<Topic> {
+        let counts = self.counts();
+        let topics = self.meaning.topics.iter().zip(counts.messages);
+        topics
+            .map(|(topic, (messages, unseen))| Topic {
+                name: topic.name.clone(),
+                type_name: topic.type_name.clone(),
+                messages,
+                unseen,
+            })
+            .collect()
+    }
+
+    /// A diagnostic of this specification as text.
+    pub fn render(&self, diagnostic: &Diagnostic, style: lapwing_diag::Style) -> String {
+        lapwing_diag::render(&self.spec.findings().sources, diagnostic, style)
+    }
+
+    /// What the recording revealed of the specification, as warnings with their places.
+    pub fn revelations(&self) -> Vec<Warning> {
+        let worth = self.diagnostics.iter().filter(|d| d.severity != Severity::Note);
+        worth
+            .map(|d| {
+                let (line, column) = self.spec.findings().sources.position(d.primary.span);
+                let file = self.spec.findings().sources.name(d.primary.span.file).to_owned();
+                Warning { place: Some((file, line, column)), ..Warning::with_code(d.code, d.message.clone()) }
+            })
+            .collect()
+    }
+
+    /// The recording is over.
+    pub fn finish(&mut self, damage: &Damage) -> Vec<Property> {
+        let ending = damage.ending(&self.meaning.topics);
+        let outcomes = self.state.finish(&self.program, &ending, &mut self.witness);
+        let mut notes = Notes::new(self.witness.found());
+        let mut properties = Vec::new();
+        for outcome in &outcomes {
+            let Some(blank) = self.blanks.get(outcome.property) else { continue };
+            let mut property = account::property(blank.clone(), outcome, &mut notes);
+            account::doubt(&mut property, damage);
+            if property.verdict == Verdict::Unmet {
+                property.at_end = self.witness.readings(outcome.property, self.state.inputs());
+            }
+            if self.witness.is_latched(outcome.property) && property.verdict == Verdict::Violated {
+                property.hints.extend(self.latches[outcome.property].as_ref().map(Latch::hint));
+            }
+            account::remark(&mut property);
+            properties.push(property);
+        }
+        properties
+    }
+
+    /// What only the whole run shows.
+    pub fn warnings(&self, properties: &[Property]) -> Vec<Warning> {
+        let unseen = self.topics().into_iter().filter(|t| t.unseen as f64 > UNSEEN * t.messages as f64).map(|t| {
+            let share = 100.0 * t.unseen as f64 / t.messages.max(1) as f64;
+            let what = format!("{share:.0} % of the messages of {} ({} of {})", t.name, t.unseen, t.messages);
+            let how = format!("came between two instants of {} and went unseen: raise its `__rate__`, or use `clock events`", self.spec.name());
+            Warning::with_code(Code::SamplingUnseen, format!("{what} {how}"))
+        });
+        let latched = (0..self.meaning.properties.len()).filter(|p| self.witness.is_latched(*p)).filter_map(|p| {
+            let name = &self.blanks.get(p)?.name;
+            let failed = properties.iter().any(|p| p.name == *name && p.verdict == Verdict::Violated);
+            let message = format!("{name} failed although the X of its `after X` had become false again before");
+            failed.then(|| Warning::with_code(Code::LatchedAfter, message))
+        });
+        unseen.chain(latched).collect()
+    }
+}

@@ -1,0 +1,213 @@
+//! A session: specifications over one recording, read once.
+
+use std::path::Path;
+
+use lapwing_diag::Style;
+use lapwing_react::{Event, Report, Topic, Warning};
+use lapwing_record::{OpenError, ReadError, Reader, Recording};
+use lapwing_stream::Time;
+
+use crate::intake::Wants;
+use crate::losses::Damage;
+use crate::run::Run;
+use crate::shape;
+use crate::spec::Spec;
+use crate::watch::Watch;
+
+/// After so many messages a watch is asked whether to go on.
+const ASKED_EVERY: u32 = 256;
+
+/// How a recording is to be checked.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// How it is to be read.
+    pub recording: lapwing_record::Options,
+    /// Whether to stop at the first violation.
+    pub until_first_violation: bool,
+}
+
+/// Specifications over one recording, which is read once. Each specification has its own clock and its own state.
+pub struct Session<'s> {
+    recording: Recording,
+    wants: Wants,
+    runs: Vec<Run<'s>>,
+    report: Report,
+    options: Options,
+}
+
+impl<'s> Session<'s> {
+    /// Opens a recording, and checks the specifications against what it carries.
+    pub fn open(specs: &'s [Spec], trace: &Path, options: &Options) -> Result<Session<'s>, OpenError> {
+        let recording = lapwing_record::open(trace, options.recording.clone())?;
+        let shape = shape::of(&recording);
+        let mut wants = Wants::default();
+        let runs: Vec<Run> = specs.iter().map(|spec| Run::new(spec, spec.against(&shape), &mut wants)).collect();
+        let mut report = blank(specs, trace);
+        report.properties = runs.iter().flat_map(|run| run.blanks.clone()).collect();
+        report.topics = topics(&runs, &recording);
+        Ok(Session { recording, wants, runs, report, options: options.clone() })
+    }
+
+    /// What the recording revealed of the specifications, as text with places: topics that are not there, fields that types lack.
+    pub fn findings(&self, style: Style) -> Vec<String> {
+        let of_run = |run: &Run| run.diagnostics.iter().map(|d| run.render(d, style)).collect::<Vec<_>>();
+        self.runs.iter().flat_map(of_run).collect()
+    }
+
+    /// Reads the recording to its end.
+    pub fn run(self, watch: &mut dyn Watch) -> Report {
+        let Session { recording, wants, mut runs, mut report, options } = self;
+        watch.event(Event::Start(&report));
+        runs.iter().flat_map(Run::revelations).for_each(|w| warn(&mut report, w, watch));
+        let types: Vec<Topic> = std::mem::take(&mut report.topics);
+        let mut course = Course { reader: recording.read(wants.list()), report: &mut report, watch };
+        let damage = course.read(&mut runs, &options);
+        for run in &mut runs {
+            let properties = run.finish(&damage);
+            course.tell(run);
+            run.warnings(&properties).into_iter().for_each(|w| course.warn(w));
+            course.report.properties.extend(properties);
+        }
+        report.topics = types.into_iter().map(|topic| counted(topic, &runs)).collect();
+        report.instants = runs.iter().map(Run::instants).max().unwrap_or_default();
+        report.gaps = damage.gaps;
+        report.properties.iter().for_each(|p| watch.event(Event::Verdict(p)));
+        watch.event(Event::End(&report));
+        report
+    }
+}
+
+/// The report on a recording that cannot be opened: nothing can be judged.
+pub fn unopened(specs: &[Spec], trace: &Path, why: &OpenError, watch: &mut dyn Watch) -> Report {
+    let mut report = blank(specs, trace);
+    let cause = format!("the recording cannot be opened: {why}");
+    for spec in specs {
+        let meaning = &spec.alone().spec;
+        let blanks = meaning.properties.iter().map(|p| crate::account::blank(spec, meaning, p));
+        report.properties.extend(blanks.map(|p| lapwing_react::Property { cause: Some(cause.clone()), reactions: Vec::new(), ..p }));
+    }
+    report.gaps.push(why.to_string());
+    watch.event(Event::Start(&report));
+    report.properties.iter().for_each(|p| watch.event(Event::Verdict(p)));
+    watch.event(Event::End(&report));
+    report
+}
+
+fn blank(specs: &[Spec], trace: &Path) -> Report {
+    let specs = specs.iter().map(|s| s.name().to_owned()).collect();
+    Report { specs, trace: trace.to_string_lossy().into_owned(), ..Report::default() }
+}
+
+/// The topics that are read, each once, with the types that the recording has them with.
+fn topics(runs: &[Run], recording: &Recording) -> Vec<Topic> {
+    let mut topics: Vec<Topic> = Vec::new();
+    for topic in runs.iter().flat_map(Run::topics) {
+        if topics.iter().all(|t| t.name != topic.name) {
+            let recorded = recording.topics().iter().find(|t| t.name.trim_start_matches('/') == topic.name.trim_start_matches('/'));
+            let recorded = recorded.map(|t| t.type_name.clone()).filter(|name| !name.is_empty());
+            topics.push(Topic { type_name: recorded.or_else(|| topic.type_name.clone()), ..topic });
+        }
+    }
+    topics
+}
+
+/// A topic with what came of it: of several clocks, with the most that went unseen.
+fn counted(topic: Topic, runs: &[Run]) -> Topic {
+    let same = |run: &Run| run.topics().into_iter().find(|t| t.name == topic.name);
+    let all: Vec<Topic> = runs.iter().filter_map(same).collect();
+    Topic {
+        messages: all.iter().map(|t| t.messages).max().unwrap_or_default(),
+        unseen: all.iter().map(|t| t.unseen).max().unwrap_or_default(),
+        ..topic
+    }
+}
+
+fn warn(report: &mut Report, warning: Warning, watch: &mut dyn Watch) {
+    watch.event(Event::Warning(&warning));
+    report.warnings.push(warning);
+}
+
+/// The reading of a recording.
+struct Course<'c> {
+    reader: Reader,
+    report: &'c mut Report,
+    watch: &'c mut dyn Watch,
+}
+
+impl Course<'_> {
+    /// Reads to the end, or as far as is wanted. Gives what could not be read.
+    fn read(&mut self, runs: &mut [Run], options: &Options) -> Damage {
+        self.report.properties.clear();
+        let (mut last, mut error, mut stopped) = (None, None, None);
+        let mut count = 0_u32;
+        while stopped.is_none() {
+            match self.step(runs, &mut last) {
+                Step::Went => {}
+                Step::End => break,
+                Step::Broke(e) => {
+                    error = Some(e);
+                    break;
+                }
+            }
+            let failed = runs.iter_mut().fold(false, |failed, run| self.tell(run) || failed);
+            if failed && options.until_first_violation {
+                stopped = Some("stopped at the first violation, as asked");
+            }
+            count = count.wrapping_add(1);
+            if count.is_multiple_of(ASKED_EVERY) && !self.is_wanted() {
+                stopped = Some("interrupted");
+            }
+        }
+        let mut damage = Damage::new(self.reader.losses(), error.as_ref(), last);
+        if let Some(why) = stopped {
+            damage.break_off(why.to_owned());
+        }
+        damage
+    }
+
+    fn step(&mut self, runs: &mut [Run], last: &mut Option<Time>) -> Step {
+        match self.reader.next() {
+            None => Step::End,
+            Some(Err(error)) => Step::Broke(error),
+            Some(Ok(item)) => {
+                let time = item.time();
+                let (start, end) = self.report.span.unwrap_or((time, time));
+                self.report.span = Some((start.min(time), end.max(time)));
+                *last = Some(time);
+                runs.iter_mut().for_each(|run| run.take(&item));
+                Step::Went
+            }
+        }
+    }
+
+    /// Says how far the reading has come, and asks whether to go on.
+    fn is_wanted(&mut self) -> bool {
+        let (read, of) = self.reader.progress();
+        self.watch.progress(read, of);
+        self.watch.goes_on()
+    }
+
+    /// Tells what happened in a run since it was last asked. Gives whether something failed.
+    fn tell(&mut self, run: &mut Run) -> bool {
+        while let Some(warning) = run.jump() {
+            self.warn(warning);
+        }
+        let mut failed = false;
+        while let Some((property, violation)) = run.news() {
+            self.watch.event(Event::Violation { property: &property, violation: &violation });
+            failed = true;
+        }
+        failed
+    }
+
+    fn warn(&mut self, warning: Warning) {
+        warn(self.report, warning, self.watch);
+    }
+}
+
+/// What a step of the reading came to.
+enum Step {
+    Went,
+    End,
+    Broke(ReadError),
+}

@@ -1,0 +1,151 @@
+//! Reports for people: what failed and why first, then a line for every property, then what was read.
+
+mod failure;
+mod paint;
+mod table;
+
+use lapwing_diag::Style;
+use lapwing_stream::Verdict;
+
+use crate::report::{Property, Report, Topic};
+use crate::shown::{Origin, count, seconds};
+use crate::tally::Tally;
+use paint::Paint;
+
+/// A share of messages that no instant saw, beyond which it is worth a word.
+const UNSEEN: f64 = 0.1;
+
+/// The report of one recording.
+pub(crate) fn report(report: &Report, style: Style) -> String {
+    let paint = Paint(style);
+    let mut out = String::new();
+    for property in report.properties.iter().filter(|p| p.has_failed()) {
+        out += &explanation(report, property, style);
+        out.push('\n');
+    }
+    out += &paint.heading(&heading(report));
+    out.push('\n');
+    let width = report.properties.iter().map(|p| p.name.chars().count()).max().unwrap_or(0).min(40);
+    for property in &report.properties {
+        out += &verdict(report, property, width, paint);
+    }
+    out += &remarks(report);
+    out
+}
+
+/// Everything about one property that is not well.
+pub(crate) fn explanation(report: &Report, property: &Property, style: Style) -> String {
+    failure::explanation(report, property, Paint(style))
+}
+
+/// What there is to say at the end, after several recordings.
+pub(crate) fn summary(tally: &Tally, style: Style) -> String {
+    let paint = Paint(style);
+    let counts = Tally::VERDICTS.iter().zip(tally.verdicts).filter(|(_, n)| *n > 0);
+    let mut parts: Vec<String> = counts.map(|(v, n)| paint.verdict(*v, &format!("{n} {}", v.word()))).collect();
+    if tally.vacuous > 0 {
+        parts.push(paint.doubt(&format!("{} of them without anything put to the test", tally.vacuous)));
+    }
+    if tally.gaps > 0 {
+        parts.push(paint.doubt(&format!("{} not read whole", count(tally.gaps, "recording", "recordings"))));
+    }
+    if parts.is_empty() {
+        parts.push(paint.doubt("nothing was checked: the specification has no property"));
+    }
+    let traces = match tally.traces {
+        1 => String::new(),
+        n => format!(" in {}", count(n, "recording", "recordings")),
+    };
+    format!("\n{}{traces}\n", parts.join(", "))
+}
+
+/// What is said of a property in one line.
+pub(crate) fn verdict_line(property: &Property, origin: Origin) -> String {
+    let details = details(property, origin);
+    match details.is_empty() {
+        true => property.verdict.word().to_owned(),
+        false => format!("{}: {details}", property.verdict),
+    }
+}
+
+/// What was read, what went unseen, and what else is to be known, each on a line.
+pub(crate) fn remarks(report: &Report) -> String {
+    let mut lines = Vec::new();
+    lines.extend(report.topics.iter().filter_map(unseen));
+    lines.extend(report.gaps.iter().map(|gap| format!("not everything was looked at: {gap}")));
+    // What has a place was shown there already, with the line that it is about.
+    lines.extend(report.warnings.iter().filter(|w| w.place.is_none()).map(|w| match w.code {
+        Some(code) => format!("warning[{code}]: {}", w.message),
+        None => format!("warning: {}", w.message),
+    }));
+    lines.iter().map(|line| format!("  {}\n", line.replace('\n', "\n    "))).collect()
+}
+
+/// A word about a topic of which a part went unseen. Much of it is a warning, which the report has anyway.
+fn unseen(topic: &Topic) -> Option<String> {
+    let some = topic.unseen > 0 && (topic.unseen as f64) <= UNSEEN * topic.messages as f64;
+    some.then(|| format!("{}: {} of {} messages came between two instants and went unseen", topic.name, topic.unseen, topic.messages))
+}
+
+fn heading(report: &Report) -> String {
+    let messages = report.topics.iter().map(|t| t.messages).sum::<u64>();
+    let mut parts = Vec::new();
+    match report.span {
+        Some((start, end)) => parts.push(seconds(i128::from(end.0) - i128::from(start.0))),
+        None => parts.push("no message".to_owned()),
+    }
+    if !report.topics.is_empty() {
+        let of = count(report.topics.len() as u64, "topic", "topics");
+        parts.push(format!("{} of {of}", count(messages, "message", "messages")));
+    }
+    parts.push(count(report.instants, "instant", "instants"));
+    let origin = Origin::of(report);
+    if origin != Origin(Default::default()) {
+        parts.push(format!("times count from {}", origin.0));
+    }
+    format!("{}: {}", report.trace, parts.join(", "))
+}
+
+/// The line of a property, and those that belong to it.
+fn verdict(report: &Report, property: &Property, width: usize, paint: Paint) -> String {
+    let word = paint.verdict(property.verdict, &format!("{:<12}", property.verdict.word()));
+    let file = if report.specs.len() > 1 { format!("{}:", property.file) } else { String::new() };
+    let name = format!("{:<width$}", format!("{file}{}", property.name));
+    let details = details(property, Origin::of(report));
+    let mut out = format!("  {word}  {name}  {details}").trim_end().to_owned() + "\n";
+    if !property.has_failed() {
+        out.extend(property.hints.iter().map(|hint| format!("      {}\n", hint.replace('\n', "\n      "))));
+    }
+    out
+}
+
+/// What a verdict rests on, in a few words.
+fn details(property: &Property, origin: Origin) -> String {
+    let obligations = property.obligations;
+    let mut parts = match property.verdict {
+        Verdict::Violated => {
+            let failures = count(obligations.failed, "failure", "failures");
+            let episodes = count(property.violations.len() as u64, "episode", "episodes");
+            let first = property.violations.first().map(|v| format!(", first at {}", origin.time(v.failed)));
+            vec![format!("{failures} in {episodes}{}", first.unwrap_or_default())]
+        }
+        Verdict::Unmet => vec!["what had to happen did not happen before the recording ended".to_owned()],
+        Verdict::Inconclusive => vec![property.cause.clone().unwrap_or_else(|| "no cause is known".to_owned())],
+        Verdict::Holds | Verdict::Satisfied => Vec::new(),
+    };
+    if property.verdict.is_success() {
+        let open = if obligations.open > 0 { format!(", {} open", obligations.open) } else { String::new() };
+        match obligations.met {
+            0 if property.scopes.is_empty() && obligations.open == 0 => parts.push("nothing was put to the test".to_owned()),
+            met => parts.push(format!("met {}{open}", count(met, "time", "times"))),
+        }
+    }
+    if property.vacuous {
+        let idle = property.scopes.iter().filter(|s| s.entered == 0).map(|s| format!("`{}`", s.text));
+        parts.push(format!("vacuous, never triggered: {}", idle.collect::<Vec<_>>().join(", ")));
+    }
+    if property.nans > 0 {
+        parts.push(format!("{} met NaN, which is never true", count(property.nans, "comparison", "comparisons")));
+    }
+    parts.join("; ")
+}

@@ -1,0 +1,135 @@
+//! Recognises a recording by its first bytes and opens it.
+
+use std::fs::{self, File};
+use std::io::{self, Cursor, Read};
+use std::path::Path;
+
+use crate::definition::Library;
+use crate::error::{OpenError, ReadError};
+use crate::format::bag::{self, Bag};
+use crate::format::csv::{self, Csv};
+use crate::format::lines::{Line, Lines};
+use crate::format::mcap::{self, Mcap};
+use crate::format::ndjson::Ndjson;
+use crate::format::rosbag2::{self, Rosbag2};
+use crate::format::sqlite::{self, Sqlite};
+use crate::format::{Format, Source};
+use crate::options::Limits;
+
+/// How long the first line of a text format may be at most, in bytes, unless it is a JSON object.
+const MAX_HEADER: usize = 1 << 20;
+/// How much of an unknown file is shown.
+const SHOWN: usize = 40;
+
+/// An opened recording and its format.
+pub(crate) type Opened = (Format, Box<dyn Source>);
+
+/// Opens a file, a folder, or standard input (`-`).
+pub(crate) fn open(path: &Path, library: &Library, limits: &Limits) -> Result<Opened, OpenError> {
+    if path == Path::new("-") {
+        return text(Box::new(io::stdin()), path, 0, library, limits);
+    }
+    let error = |error| OpenError::Io { path: path.to_owned(), error };
+    let about = fs::metadata(path).map_err(error)?;
+    if about.is_dir() {
+        return folder(path, library, limits);
+    }
+    if !about.is_file() {
+        // A pipe cannot be read twice: only what is read from its beginning to its end can come through it.
+        return text(Box::new(File::open(path).map_err(error)?), path, 0, library, limits);
+    }
+    let begins = |magic| rosbag2::begins_with(path, magic);
+    if begins(mcap::MAGIC)? {
+        return Ok((Format::Mcap, Box::new(Mcap::open(path, path, library, limits)?)));
+    }
+    if begins(bag::MAGIC)? {
+        return Ok((Format::Ros1Bag, Box::new(Bag::open(path, library, limits)?)));
+    }
+    if begins(sqlite::MAGIC)? {
+        let mut sqlite = Sqlite::open(path, path, library, limits)?;
+        sqlite.count();
+        return Ok((Format::Rosbag2, Box::new(sqlite)));
+    }
+    if begins(rosbag2::ZSTD_MAGIC)? {
+        return Ok((Format::Rosbag2, Box::new(rosbag2::open_packed(path, library, limits)?)));
+    }
+    text(Box::new(File::open(path).map_err(error)?), path, about.len(), library, limits)
+}
+
+fn folder(path: &Path, library: &Library, limits: &Limits) -> Result<Opened, OpenError> {
+    if path.join("metadata.yaml").is_file() {
+        return Ok((Format::Rosbag2, Box::new(Rosbag2::open(path, library, limits)?)));
+    }
+    Err(OpenError::Unrecognised { path: path.to_owned(), seen: "it is a folder without metadata.yaml".to_owned() })
+}
+
+/// A text format, by its first line that is not blank.
+fn text(
+    mut from: Box<dyn Read + Send>,
+    path: &Path,
+    total: u64,
+    library: &Library,
+    limits: &Limits,
+) -> Result<Opened, OpenError> {
+    let unrecognised = |seen: String| OpenError::Unrecognised { path: path.to_owned(), seen };
+    let start = first_line(&mut *from, limits).map_err(|error| OpenError::Io { path: path.to_owned(), error })?;
+    let again = || Lines::new(Box::new(Cursor::new(start.clone()).chain(from)), path, total, limits.line);
+    let mut head = Lines::new(Box::new(Cursor::new(start.clone())), path, 0, limits.line);
+    let first = first(&mut head).map_err(|e| OpenError::Io { path: path.to_owned(), error: e.error })?;
+    let Some(first) = first else { return Err(unrecognised("it is empty".to_owned())) };
+    if first.trim_ascii_start().starts_with(b"{") {
+        return Ok((Format::Ndjson, Box::new(Ndjson::new(again(), library, limits))));
+    }
+    let is_text = std::str::from_utf8(&first).is_ok() && !first.contains(&0);
+    let header = first.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&first);
+    if is_text && csv::names(header).is_some_and(|names| csv::time_column(&names).is_some()) {
+        return Ok((Format::Csv, Box::new(Csv::open(again(), limits)?)));
+    }
+    Err(unrecognised(format!("it begins with {}{}", shown(&first), hint(header))))
+}
+
+/// What would have made a table of it, where little is missing.
+fn hint(header: &[u8]) -> &'static str {
+    let names: Vec<&[u8]> = header.split(|b| matches!(b, b';' | b'\t')).map(<[u8]>::trim_ascii).collect();
+    if names.len() > 1 && names.iter().any(|n| matches!(*n, b"time" | b"time_ns")) {
+        ", and its columns are not separated by commas"
+    } else {
+        ""
+    }
+}
+
+/// The bytes of a stream up to the end of its first line that is not blank: no more is asked for than comes.
+fn first_line(from: &mut dyn Read, limits: &Limits) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut buffer = [0; 4096];
+    loop {
+        let text = bytes.trim_ascii_start();
+        let limit = if text.starts_with(b"{") { limits.line } else { MAX_HEADER };
+        if text.contains(&b'\n') || bytes.len() > limit {
+            return Ok(bytes);
+        }
+        match from.read(&mut buffer) {
+            Ok(0) => return Ok(bytes),
+            Ok(read) => bytes.extend_from_slice(&buffer[..read]),
+            Err(e) if e.kind() == io::ErrorKind::Interrupted => {}
+            Err(e) => return Err(e),
+        }
+    }
+}
+
+fn first(lines: &mut Lines) -> Result<Option<Vec<u8>>, ReadError> {
+    loop {
+        match lines.next()? {
+            Line::Found(line) if lines.bytes(&line).trim_ascii().is_empty() => {}
+            Line::Found(line) => return Ok(Some(lines.bytes(&line).to_vec())),
+            Line::TooLong | Line::End => return Ok(None),
+        }
+    }
+}
+
+/// The beginning of a line, printable.
+fn shown(line: &[u8]) -> String {
+    let end = line.len().min(SHOWN);
+    let dots = if end < line.len() { "…" } else { "" };
+    format!("`{}{dots}`", line[..end].escape_ascii())
+}

@@ -1,0 +1,338 @@
+//! Reads a recording from its beginning to its end, decoding the wanted fields.
+
+use std::sync::Arc;
+
+use lapwing_stream::{Name, Time, Value};
+
+use crate::decode::{Decoder, MessageType};
+use crate::error::{Loss, Losses, ReadError};
+use crate::format::{Head, Source};
+use crate::options::{Limits, Options, TimeSource};
+use crate::path::Path;
+use crate::recording::Wanted;
+use crate::reorder::{Held, Kind, Reorder};
+
+/// What comes next in a recording. It may be looked at until the next call of [`Reader::next`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Item<'a> {
+    /// A message of a topic.
+    Message {
+        /// When.
+        time: Time,
+        /// Which of the wanted topics; `None` where it is not wanted, or could not be decoded: only its time is known.
+        wanted: Option<usize>,
+        /// Its topic, as recorded.
+        topic: &'a str,
+        /// One per wanted field, in order; [`Value::Missing`] where the message has no such field or element.
+        values: &'a [Value],
+    },
+    /// A row of CSV, or the `values` of an NDJSON line.
+    Row {
+        /// When.
+        time: Time,
+        /// Names and values. Of CSV all columns, in the order of [`Recording::columns`](crate::Recording::columns); an
+        /// empty cell is [`Value::Missing`].
+        cells: &'a [(Name, Value)],
+    },
+    /// An event of NDJSON.
+    Event {
+        /// When.
+        time: Time,
+        /// Its name.
+        name: &'a str,
+        /// All its other keys.
+        fields: &'a [(Name, Value)],
+    },
+}
+
+impl Item<'_> {
+    /// When it was.
+    pub fn time(&self) -> Time {
+        match self {
+            Item::Message { time, .. } | Item::Row { time, .. } | Item::Event { time, .. } => *time,
+        }
+    }
+}
+
+/// Reads a recording from its beginning to its end. Memory does not grow with its length.
+pub struct Reader {
+    source: Box<dyn Source>,
+    wanted: Vec<Wanted>,
+    limits: Limits,
+    /// By the source's channels; those that were met late come when they are.
+    bindings: Vec<Binding>,
+    /// The values of the current message, by wanted topic.
+    values: Vec<Vec<Value>>,
+    stamp: Vec<Value>,
+    by_header: bool,
+    order: Option<Reorder>,
+    /// The place of the item that was given last.
+    given: Option<usize>,
+    losses: Losses,
+    /// What stopped the reading, while messages before it are still held.
+    failed: Option<ReadError>,
+    ended: bool,
+}
+
+/// The number of values that the stamp of a header is.
+const STAMP: usize = 2;
+
+/// What is done with the messages of a channel.
+struct Binding {
+    topic: Arc<str>,
+    wanted: Option<usize>,
+    /// How many fields are wanted.
+    fields: usize,
+    /// Decodes the wanted fields, and after them the stamp where time is by header.
+    decoder: Option<Decoder>,
+    /// Whether the last two values are the stamp of the header.
+    stamped: bool,
+}
+
+/// An item before it is given.
+#[derive(Clone, Copy)]
+struct Pulled {
+    time: Time,
+    what: What,
+}
+
+#[derive(Clone, Copy)]
+enum What {
+    Message { channel: usize, wanted: Option<usize> },
+    Row,
+    Event,
+}
+
+impl Reader {
+    pub(crate) fn new(source: Box<dyn Source>, wanted: &[Wanted], options: &Options) -> Reader {
+        let by_header = options.time == TimeSource::Header;
+        Reader {
+            source,
+            wanted: wanted.to_vec(),
+            limits: options.limits.clone(),
+            bindings: Vec::new(),
+            values: wanted.iter().map(|_| Vec::new()).collect(),
+            stamp: Vec::new(),
+            by_header,
+            order: by_header.then(|| Reorder::new(options.reorder, options.limits.held)),
+            given: None,
+            losses: Losses::new(options.limits.losses),
+            failed: None,
+            ended: false,
+        }
+    }
+
+    /// The next item, in the order of the file or, by header, of time. After an error there are no more.
+    #[expect(clippy::should_implement_trait, reason = "an item borrows from the reader, which no iterator can say")]
+    pub fn next(&mut self) -> Option<Result<Item<'_>, ReadError>> {
+        if self.order.is_some() {
+            return self.next_in_order();
+        }
+        match self.pull() {
+            Ok(Some(pulled)) => Some(Ok(self.item(pulled))),
+            Ok(None) => None,
+            Err(error) => Some(Err(error)),
+        }
+    }
+
+    /// What could not be read so far.
+    pub fn losses(&self) -> &[Loss] {
+        self.losses.list()
+    }
+
+    /// How much was read, and of how much: bytes, rows or parts of files. The second is 0 where it is not known.
+    pub fn progress(&self) -> (u64, u64) {
+        self.source.progress()
+    }
+
+    /// Reads the next item from the source.
+    fn pull(&mut self) -> Result<Option<Pulled>, ReadError> {
+        if self.ended {
+            return Ok(None);
+        }
+        let found = self.source.advance(&mut self.losses);
+        let Ok(Some((time, head))) = found else {
+            self.ended = true;
+            return found.map(|_| None);
+        };
+        let pulled = match head {
+            Head::Message(channel) => self.message(time, channel),
+            Head::Row => Pulled { time, what: What::Row },
+            Head::Event => Pulled { time, what: What::Event },
+        };
+        self.losses.last = Some(pulled.time);
+        Ok(Some(pulled))
+    }
+
+    fn message(&mut self, time: Time, channel: usize) -> Pulled {
+        while self.bindings.len() < self.source.channels().len() {
+            self.bind();
+        }
+        let nothing = Pulled { time, what: What::Message { channel, wanted: None } };
+        let Some(binding) = self.bindings.get_mut(channel) else { return nothing };
+        let Some(decoder) = &mut binding.decoder else { return nothing };
+        let values = match binding.wanted {
+            Some(wanted) => &mut self.values[wanted],
+            None => &mut self.stamp,
+        };
+        values.resize_with(binding.fields + STAMP, Value::default);
+        let slots = if binding.stamped { binding.fields + STAMP } else { binding.fields };
+        let decoded = self
+            .source
+            .payload()
+            .and_then(|message| decoder.decode(message, &mut values[..slots]).map_err(|e| e.to_string()));
+        match decoded {
+            Ok(()) => {}
+            Err(_) if binding.wanted.is_none() => return nothing,
+            Err(what) => {
+                self.losses.add_of(self.source.place(), &binding.topic, format!("a message is lost: {what}"));
+                return nothing;
+            }
+        }
+        let time = if binding.stamped { header_time(&values[binding.fields..]).unwrap_or(time) } else { time };
+        Pulled { time, what: What::Message { channel, wanted: binding.wanted } }
+    }
+
+    /// Decides what is done with the next channel that has no binding yet.
+    fn bind(&mut self) {
+        let channel = &self.source.channels()[self.bindings.len()];
+        let (topic, ty) = (channel.topic.clone(), channel.ty.clone());
+        let wanted = self.wanted.iter().position(|w| without_slash(&w.topic) == without_slash(&topic));
+        let fields = wanted.map_or(&[][..], |k| &self.wanted[k].fields);
+        let (decoder, stamped) = match ty {
+            Ok(ty) => self.decoder(&ty, fields, wanted.is_some()),
+            Err(why) => (Err(why), false),
+        };
+        if let (Err(why), Some(_)) = (&decoder, wanted) {
+            self.losses.add_of(self.source.place(), &topic, format!("its messages are lost: {why}"));
+        }
+        self.bindings.push(Binding { topic, wanted, fields: fields.len(), decoder: decoder.ok(), stamped });
+    }
+
+    /// A decoder of the wanted fields, and whether it also reads the stamp of the header.
+    fn decoder(&self, ty: &MessageType, fields: &[Path], wanted: bool) -> (Result<Decoder, String>, bool) {
+        let new = |fields: &[Path]| Decoder::new(ty, fields, self.limits.elements).map_err(|e| e.to_string());
+        if self.by_header {
+            let with_stamp: Vec<Path> = fields.iter().cloned().chain(stamp_paths()).collect();
+            match new(&with_stamp) {
+                Ok(decoder) if wanted => return (Ok(decoder), true),
+                Ok(decoder) => return (Ok(decoder.prefix_only()), true),
+                Err(_) => {}
+            }
+        }
+        let decoder = if wanted { new(fields) } else { Err(String::new()) };
+        (decoder, false)
+    }
+
+    fn item(&self, pulled: Pulled) -> Item<'_> {
+        let time = pulled.time;
+        match pulled.what {
+            What::Message { channel, wanted } => {
+                let topic = self.bindings.get(channel).map_or("", |b| &b.topic);
+                Item::Message { time, wanted, topic, values: self.fields(wanted) }
+            }
+            What::Row => Item::Row { time, cells: self.source.cells() },
+            What::Event => Item::Event { time, name: self.source.event(), fields: self.source.cells() },
+        }
+    }
+
+    /// The values of a wanted topic without its stamp.
+    fn fields(&self, wanted: Option<usize>) -> &[Value] {
+        let Some(wanted) = wanted else { return &[] };
+        self.values[wanted].get(..self.wanted[wanted].fields.len()).unwrap_or_default()
+    }
+
+    fn next_in_order(&mut self) -> Option<Result<Item<'_>, ReadError>> {
+        loop {
+            let order = self.order.as_mut()?;
+            if let Some(given) = self.given.take() {
+                order.release(given);
+            }
+            if let Some((at, forced)) = order.pop() {
+                if forced {
+                    self.losses.add(
+                        self.source.place(),
+                        "messages are out of order: more than Limits::held lie within the reorder window; shorten it",
+                    );
+                }
+                self.given = Some(at);
+                return Some(Ok(self.held_item(at)));
+            }
+            if order.is_waiting() {
+                continue;
+            }
+            if self.ended {
+                return self.failed.take().map(Err);
+            }
+            match self.pull() {
+                Ok(Some(pulled)) => self.hold(pulled),
+                Ok(None) => self.finish(),
+                Err(error) => {
+                    self.failed = Some(error);
+                    self.finish();
+                }
+            }
+        }
+    }
+
+    fn finish(&mut self) {
+        if let Some(order) = &mut self.order {
+            order.finish();
+        }
+    }
+
+    fn hold(&mut self, pulled: Pulled) {
+        let Some(order) = &mut self.order else { return };
+        let (at, held) = order.room();
+        held.time = pulled.time;
+        held.kind = match pulled.what {
+            What::Message { channel, wanted } => {
+                if let Some(wanted) = wanted {
+                    std::mem::swap(&mut held.values, &mut self.values[wanted]);
+                }
+                let topic = self.bindings.get(channel).map_or_else(|| Arc::from(""), |b| b.topic.clone());
+                Kind::Message { topic, wanted }
+            }
+            What::Row => {
+                self.source.cells().clone_into(&mut held.cells);
+                Kind::Row
+            }
+            What::Event => {
+                self.source.cells().clone_into(&mut held.cells);
+                Kind::Event(self.source.event().to_owned())
+            }
+        };
+        order.push(at);
+    }
+
+    fn held_item(&self, at: usize) -> Item<'_> {
+        let Some(Held { time, kind, values, cells }) = self.order.as_ref().map(|o| o.get(at)) else {
+            return Item::Row { time: Time::default(), cells: &[] };
+        };
+        let time = *time;
+        match kind {
+            Kind::Message { topic, wanted } => {
+                let count = wanted.map_or(0, |w| self.wanted[w].fields.len());
+                Item::Message { time, wanted: *wanted, topic, values: values.get(..count).unwrap_or_default() }
+            }
+            Kind::Row => Item::Row { time, cells },
+            Kind::Event(name) => Item::Event { time, name, fields: cells },
+        }
+    }
+}
+
+fn without_slash(topic: &str) -> &str {
+    topic.strip_prefix('/').unwrap_or(topic)
+}
+
+/// Where the stamp of a header is.
+fn stamp_paths() -> [Path; STAMP] {
+    [Path::of_names(["header", "stamp", "sec"]), Path::of_names(["header", "stamp", "nanosec"])]
+}
+
+/// The time of a header; `None` where it has none, or a zero one.
+fn header_time(stamp: &[Value]) -> Option<Time> {
+    let [Value::Num(seconds), Value::Num(nanoseconds)] = stamp else { return None };
+    let nanos = (*seconds as i64).checked_mul(1_000_000_000)?.checked_add(*nanoseconds as i64)?;
+    (nanos != 0).then_some(Time(nanos))
+}
