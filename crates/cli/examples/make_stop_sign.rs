@@ -112,7 +112,12 @@ impl<'w> Recorder<'w> {
 
     fn write(&mut self, channel: usize, step: u64, message: &Cdr) -> mcap::McapResult<()> {
         let time = step * STEP;
-        let header = MessageHeader { channel_id: self.channels[channel], sequence: self.sequence, log_time: time, publish_time: time };
+        let header = MessageHeader {
+            channel_id: self.channels[channel],
+            sequence: self.sequence,
+            log_time: time,
+            publish_time: time,
+        };
         self.sequence += 1;
         self.writer.write_to_known_channel(&header, &message.bytes)
     }
@@ -152,7 +157,12 @@ impl Cdr {
 
 /// The ground truth of the simulator.
 fn model_states(car: &Car) -> Cdr {
-    let models = [("road", [0.0, 0.0], 0.0), ("first_sign", [SIGNS[0], 1.0], 0.0), ("second_sign", [SIGNS[1], 1.0], 0.0), ("car", [car.x, 0.0], car.speed)];
+    let models = [
+        ("road", [0.0, 0.0], 0.0),
+        ("first_sign", [SIGNS[0], 1.0], 0.0),
+        ("second_sign", [SIGNS[1], 1.0], 0.0),
+        ("car", [car.x, 0.0], car.speed),
+    ];
     let mut message = Cdr::new();
     message.u32(models.len() as u32);
     models.iter().for_each(|(name, ..)| message.text(name));

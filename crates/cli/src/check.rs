@@ -72,7 +72,7 @@ impl Plan<'_> {
         if unread > 0 {
             say(&format!("{unread} of {} recordings were not checked\n", self.traces.len()));
         }
-        Exit::of(tally.standing(), unread == 0)
+        Exit::of(tally.standing(), unread == 0 && !interrupt::was_heard())
     }
 
     /// Checks one recording, and says what is to be said of it.

@@ -50,7 +50,8 @@ mod tests {
 
     #[test]
     fn a_failure_outweighs_doubt_and_doubt_outweighs_success() {
-        let codes = [Standing::Good, Standing::Open, Standing::Failed].map(|s| [Exit::of(s, true).code(), Exit::of(s, false).code()]);
+        let codes = [Standing::Good, Standing::Open, Standing::Failed]
+            .map(|s| [Exit::of(s, true).code(), Exit::of(s, false).code()]);
         assert_eq!(codes, [[0, 3], [3, 3], [1, 1]]);
         assert_eq!(Exit::Wrong.code(), 2);
     }

@@ -50,8 +50,10 @@ fn specification(arguments: &Explain) -> Result<String, Complaint> {
         Picture::Dot => return dot(spec).ok_or_else(no_diagram),
         Picture::Mermaid => return mermaid(spec).ok_or_else(no_diagram),
         Picture::Svg => {
-            return Err(Complaint::new("--format svg is not there yet")
-                .help(format!("`lapwing explain {} --format dot | dot -Tsvg` draws it with Graphviz", arguments.what)));
+            return Err(Complaint::new("--format svg is not there yet").help(format!(
+                "`lapwing explain {} --format dot | dot -Tsvg` draws it with Graphviz",
+                arguments.what
+            )));
         }
     }
     let trace = arguments.trace.as_deref().map(words::recording).transpose()?;
@@ -85,7 +87,9 @@ fn one(property: &Explained) -> String {
     row("means", &property.words);
     row("formula", &property.formula);
     property.reads.iter().enumerate().for_each(|(n, read)| row(if n == 0 { "reads" } else { "" }, read));
-    row("known", &format!("a failure is known {}", property.known));
+    if !property.known.is_empty() {
+        row("known", &format!("a failure is known {}", property.known));
+    }
     row("memory", &property.memory);
     property.reactions.iter().for_each(|reaction| row("then", reaction));
     row("problem", property.problem.as_deref().unwrap_or_default());

@@ -8,17 +8,24 @@ use crate::complain::say;
 const KILLED: i32 = 130;
 
 static STOP: AtomicBool = AtomicBool::new(false);
+static HEARD: AtomicBool = AtomicBool::new(false);
 
 /// From now on an interrupt is noted.
 pub fn listen() {
     let heard = ctrlc::set_handler(|| {
-        if STOP.swap(true, Ordering::Relaxed) {
+        if HEARD.swap(true, Ordering::Relaxed) {
             std::process::exit(KILLED);
         }
+        stop();
         say("interrupted: reporting what is known so far (once more to quit at once)\n");
     });
     // Without a handler an interrupt ends the program, as it does most.
     drop(heard);
+}
+
+/// Whether there was an interrupt.
+pub fn was_heard() -> bool {
+    HEARD.load(Ordering::Relaxed)
 }
 
 /// Nothing further is to be read.

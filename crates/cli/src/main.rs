@@ -13,12 +13,12 @@ mod explain;
 mod fmt;
 mod new;
 
-mod words;
-mod jobs;
-mod sink;
-mod progress;
-mod interrupt;
 mod complain;
+mod interrupt;
+mod jobs;
+mod progress;
+mod sink;
+mod words;
 
 use std::process::ExitCode;
 

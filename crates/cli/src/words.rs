@@ -8,6 +8,9 @@ use lapwing_record::OpenError;
 
 use crate::complain::Complaint;
 
+/// A file larger than this is not taken for a specification, in bytes.
+const LARGEST_SPEC: u64 = 1 << 16;
+
 /// The words of `check`, told apart.
 #[derive(Debug, PartialEq)]
 pub struct Words {
@@ -62,8 +65,14 @@ pub fn specs(paths: &[PathBuf], style: Style) -> Result<Vec<Spec>, Complaint> {
 /// The recordings that words name.
 pub fn recordings(words: &[String]) -> Result<Vec<PathBuf>, Complaint> {
     for word in words.iter().filter(|w| *w != "-" && !w.contains(['*', '?', '['])) {
-        if !Path::new(word).exists() {
-            return Err(missing(Path::new(word)));
+        let path = Path::new(word);
+        if !path.exists() {
+            return Err(missing(path));
+        }
+        if looks_like_spec(path) {
+            let complaint =
+                Complaint::new(format!("{word}: this is a specification, but its name does not end in .rv"));
+            return Err(complaint.help("rename it: what does not end in .rv is taken for a recording"));
         }
     }
     lapwing_record::expand(words).map_err(|error| match error {
@@ -89,6 +98,16 @@ fn missing(path: &Path) -> Complaint {
         Some(other) => complaint.help(format!("did you mean `{}`?", other.display())),
         None => complaint,
     }
+}
+
+/// Whether a small file reads as a specification with something in it.
+fn looks_like_spec(path: &Path) -> bool {
+    let is_small = std::fs::metadata(path).is_ok_and(|about| about.is_file() && about.len() < LARGEST_SPEC);
+    let text = if is_small { std::fs::read_to_string(path).ok() } else { None };
+    text.is_some_and(|text| {
+        let parsed = lapwing_syntax::parse(lapwing_syntax::FileId(0), &text);
+        !parsed.file.items.is_empty() && !lapwing_diag::has_errors(&parsed.diagnostics)
+    })
 }
 
 /// The name beside a path that is most like it.

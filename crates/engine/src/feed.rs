@@ -10,7 +10,7 @@ use crate::group::{Core, Walk};
 use crate::inputs::Inputs;
 use crate::machine::MachineMemory;
 use crate::node::{Notes, View};
-use crate::outcome::{Episode, Observer, Outcome, Output};
+use crate::outcome::{Episode, Observer, Outcome, Output, join};
 use crate::program::{Clock, Group, Judge, Positions, Program};
 use crate::tracker::can_add;
 use crate::world::ObjectMemory;
@@ -39,7 +39,8 @@ struct Piece {
     objects: Vec<ObjectMemory>,
     /// The first sample that was read.
     t0: Option<i64>,
-    /// The last sample of any kind.
+    /// The last sample of any kind, and the last that the timeout let through.
+    newest: Option<i64>,
     last: Option<i64>,
     /// The last instant that all share.
     last_instant: Option<i64>,
@@ -83,9 +84,10 @@ impl State {
     /// Takes a sample in.
     pub fn feed(&mut self, program: &Program, sample: Sample<'_>, observer: &mut impl Observer) {
         let now = sample.time.0;
-        if self.piece.last.is_some_and(|last| now < last) || self.piece.is_absurd(program, now) {
+        if self.piece.newest.is_some_and(|newest| now < newest) || self.piece.is_absurd(program, now) {
             self.jump(program, sample.time, observer);
         }
+        self.piece.newest = Some(now);
         if self.piece.is_timed_out(program, now) {
             return;
         }
@@ -105,8 +107,9 @@ impl State {
 
     /// Time went back: what has been ends here, and everything starts anew.
     fn jump(&mut self, program: &Program, to: Time, observer: &mut impl Observer) {
-        let from = Time(self.piece.last.unwrap_or_default());
-        let outcomes = self.piece.finish(program, &Ending::default(), observer);
+        let from = Time(self.piece.newest.unwrap_or_default());
+        let mut outcomes = self.piece.finish(program, &Ending::default(), observer);
+        outcomes.iter_mut().for_each(Outcome::cut_off_by_jump);
         self.before = Some(join(self.before.take(), outcomes));
         self.jumps.push((from, to));
         self.piece = Piece::new(program);
@@ -117,8 +120,15 @@ impl State {
     ///
     /// The state cannot be fed after; to know the outcome so far, finish a clone.
     pub fn finish(&mut self, program: &Program, ending: &Ending, observer: &mut impl Observer) -> Vec<Outcome> {
-        let outcomes = self.piece.finish(program, ending, observer);
-        join(self.before.take(), outcomes)
+        let mut outcomes = join(self.before.take(), self.piece.finish(program, ending, observer));
+        for (number, property) in program.properties.iter().enumerate() {
+            if !outcomes.iter().any(|o| o.property == number) {
+                let cause = Some("no value to make an instance of was seen".to_string());
+                outcomes.push(Outcome { cause, ..Outcome::blank(number, property.scopes) });
+            }
+        }
+        outcomes.sort_by_key(|o| o.property);
+        outcomes
     }
 
     /// When something happens though nothing comes: a live caller feeds a sample without content once its clock has passed it.
@@ -159,6 +169,7 @@ impl Piece {
             inputs,
             objects: alloc::vec![ObjectMemory::default(); program.objects.len()],
             t0: None,
+            newest: None,
             last: None,
             last_instant: None,
             tick: 0,
@@ -399,29 +410,24 @@ impl Piece {
                 core.end(plan, &self.inputs, last);
             }
         }
-        (0..program.properties.len()).flat_map(|p| self.outcomes(program, p, ending)).collect()
+        (0..program.properties.len()).flat_map(|p| self.judge(program, p, ending)).collect()
     }
 
     /// What is said of a property: one outcome, or one per instance.
-    fn outcomes(&self, program: &Program, number: usize, ending: &Ending) -> Vec<Outcome> {
+    fn judge(&self, program: &Program, number: usize, ending: &Ending) -> Vec<Outcome> {
         let property = &program.properties[number];
-        let blank = |cause: String| Outcome { cause: Some(cause), ..Outcome::blank(number, property.scopes) };
+        let blank = |cause: String| alloc::vec![Outcome { cause: Some(cause), ..Outcome::blank(number, property.scopes) }];
         if let Some(problem) = &property.problem {
-            return alloc::vec![blank(problem.clone())];
+            return blank(problem.clone());
         }
         match property.judge {
-            Judge::Nobody => alloc::vec![blank("nothing judges it".to_string())],
-            _ if self.last.is_none() => alloc::vec![blank("the trace has no message".to_string())],
+            Judge::Nobody => blank("nothing judges it".to_string()),
+            _ if self.last.is_none() => blank("the trace has no message".to_string()),
             Judge::Machine(m) => alloc::vec![self.machine_outcome(program, number, m, ending)],
             Judge::Group(g) => {
-                let plan = &program.groups[g];
                 let Instances { cores, seen, .. } = &self.groups[g];
                 let instances = seen.iter().map(|&i| &cores[i]);
-                let outcomes: Vec<_> = instances.map(|c| self.core_outcome(program, number, plan, c, ending)).collect();
-                if outcomes.is_empty() {
-                    return alloc::vec![blank("no value to make an instance of was seen".to_string())];
-                }
-                outcomes
+                instances.map(|core| self.core_outcome(program, number, &program.groups[g], core, ending)).collect()
             }
         }
     }
@@ -612,20 +618,4 @@ fn is_timed(program: &Program) -> bool {
 fn sorted(mut episodes: Vec<Episode>) -> Vec<Episode> {
     episodes.sort_by_key(|e| (e.failed, e.began));
     episodes
-}
-
-/// Joins the outcomes of two pieces of a trace, property by property, instance by instance.
-fn join(before: Option<Vec<Outcome>>, later: Vec<Outcome>) -> Vec<Outcome> {
-    let Some(mut all) = before else { return later };
-    for outcome in later {
-        match all.iter_mut().find(|o| (o.property, &o.instance) == (outcome.property, &outcome.instance)) {
-            Some(same) => same.join(outcome),
-            None => all.push(outcome),
-        }
-    }
-    // A property without instances in one piece and with some in another has its instances alone.
-    let has_instances: Vec<usize> = all.iter().filter(|o| !o.instance.is_empty()).map(|o| o.property).collect();
-    all.retain(|o| !o.instance.is_empty() || !has_instances.contains(&o.property));
-    all.sort_by_key(|o| o.property);
-    all
 }

@@ -164,7 +164,7 @@ impl Core {
             times: Times::default(),
             graph: Graph::new(&plan.contexts, &plan.futures),
             trackers: plan.trackers.iter().map(|_| TrackerState::default()).collect(),
-            looks: plan.looks.iter().map(|_| LookState::default()).collect(),
+            looks: plan.looks.iter().map(LookState::new).collect(),
             positions: 0,
             overflowed: false,
         }
@@ -290,7 +290,7 @@ impl Core {
                 && p == property
                 && let Some(count) = counts.get_mut(scope)
             {
-                *count += state.count;
+                *count += state.counts.last().copied().unwrap_or(0);
             }
         }
         counts
@@ -326,16 +326,21 @@ struct LookState {
     reached: Option<i64>,
     /// Positions that are looked at and where the future formula is unknown.
     asked: Runs,
-    count: u64,
+    /// Entries: inside the innermost context that awaits its X, inside the next, …, and last those that count.
+    counts: Vec<u64>,
 }
 
 impl LookState {
+    fn new(look: &Look) -> LookState {
+        LookState { counts: alloc::vec![0; look.awaits.len() + 1], ..LookState::default() }
+    }
+
     /// The graph decided something.
     fn decide(&mut self, look: &Look, decided: &[Vec<Decided>]) {
         let LookKind::Proves { formula, .. } = look.kind else { return };
         for d in &decided[formula.id as usize] {
             let holds = d.value != formula.negated;
-            let count = &mut self.count;
+            let count = &mut self.counts[0];
             self.asked.take(d.from, d.to, |a, b| *count += if holds { b - a + 1 } else { 0 });
         }
     }
@@ -346,15 +351,22 @@ impl LookState {
             (self.pending, self.before, self.reached) = (false, false, None);
             self.queue.clear();
         }
+        for (i, &context) in look.awaits.iter().enumerate() {
+            let awaited = &segments[context as usize];
+            if awaited.closes {
+                let entries = core::mem::take(&mut self.counts[i]);
+                self.counts[i + 1] += if awaited.closed_by_own { entries } else { 0 };
+            }
+        }
         self.now = segment.active && self.sees(look, n, segment, looks, view);
-        self.count += u64::from(self.now);
+        self.counts[0] += u64::from(self.now);
     }
 
     fn sees(&mut self, look: &Look, n: Pos, segment: &Segment, looks: &[LookState], view: &View<'_>) -> bool {
         let at = |of: u32| looks[of as usize].now;
         match look.kind {
             LookKind::First => segment.first,
-            LookKind::Within(bound) => bound == Bound::ALL || bound.contains(view.now - segment.start_stamp),
+            LookKind::Within(bound) => bound == Bound::ALL || bound.contains(view.now.saturating_sub(segment.start_stamp)),
             LookKind::Same { of } => at(of),
             LookKind::Proves { of, .. } => {
                 if at(of) {

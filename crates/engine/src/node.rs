@@ -51,6 +51,9 @@ pub(crate) enum Val<'a> {
     Ref(&'a Value),
 }
 
+/// What an array has beyond its end, and `lookup` for a name that is not there.
+const NOTHING: Val<'static> = Val::Num(f64::NAN);
+
 impl<'a> From<&'a Value> for Val<'a> {
     fn from(value: &'a Value) -> Val<'a> {
         match value {
@@ -142,7 +145,7 @@ impl<'a> View<'a> {
                 let (a, b) = (self.number(*left, vars), self.number(*right, vars));
                 let m = margin.map_or(0.0, |m| self.number(m, vars));
                 self.count_nan(*counter, a, b);
-                compare(*op, a, b, m)
+                compare(*op, a, b, m) && (!(a.is_nan() | b.is_nan()) || (self.is_there(*left) && self.is_there(*right)))
             }
             Node::Event(e) => self.occurrence(*e).is_some(),
             Node::InState { machine, state } => self.inputs.machines.get(*machine) == Some(state),
@@ -176,7 +179,7 @@ impl<'a> View<'a> {
                 }
             }
             Node::Age(t) => match self.inputs.topics.get(*t).and_then(|t| t.last) {
-                Some(last) => Duration::from_nanos(self.now - last).seconds(),
+                Some(last) => Duration::from_nanos(self.now.saturating_sub(last)).seconds(),
                 None => f64::NAN,
             },
             Node::Frequency(t, window) => self.frequency(*t, *window),
@@ -205,7 +208,7 @@ impl<'a> View<'a> {
             },
             Node::Var(depth) => nth_var(vars, *depth),
             Node::Field(of, name) => match self.val(*of, vars) {
-                Val::Ref(v) => v.field(name).map_or(Val::None, Val::from),
+                Val::Ref(v) => v.field(name).map_or(NOTHING, Val::from),
                 Val::None => Val::None,
                 _ => self.fault(id, Val::None),
             },
@@ -234,6 +237,17 @@ impl<'a> View<'a> {
                 Val::Bool(self.truth(id, vars))
             }
             Node::Event(_) | Node::InState { .. } | Node::Fresh(_) | Node::Updated(_) => Val::Bool(self.truth(id, vars)),
+        }
+    }
+
+    /// Whether an expression has a value at all, be it NaN: what reads a field of an event that does not occur has none.
+    pub fn is_there(&self, id: NodeId) -> bool {
+        match self.node(id) {
+            Node::Slot(_) | Node::Reg(_) | Node::EventField { .. } | Node::Param(_) => !matches!(self.val(id, None), Val::None),
+            Node::Neg(of) | Node::Field(of, _) | Node::Index(of, _) => self.is_there(*of),
+            Node::Arith(_, a, b) => self.is_there(*a) && self.is_there(*b),
+            Node::Call(_, args) => args.iter().all(|&a| self.is_there(a)),
+            _ => true,
         }
     }
 
@@ -278,6 +292,7 @@ impl<'a> View<'a> {
             (Val::Str(a), Val::Str(b)) => a == b,
             (Val::Bool(a), Val::Bool(b)) => a == b,
             (Val::None, _) | (_, Val::None) => return false,
+            (Val::Num(x), Val::Str(_)) | (Val::Str(_), Val::Num(x)) if x.is_nan() => false,
             _ => return self.fault(id, false),
         };
         match op {
@@ -338,11 +353,11 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Whether the body holds for an element.
+    /// Whether the body holds for an element; numbers that are NaN are none.
     fn any(&self, array: NodeId, body: NodeId, vars: Option<&Vars<'_>>) -> bool {
         let holds = |value: Val<'_>| self.truth(body, Some(&Vars { value, outer: vars.map(|v| v as _) }));
         match self.val(array, vars) {
-            Val::Ref(Value::Nums(v)) => v.iter().any(|&x| holds(Val::Num(x))),
+            Val::Ref(Value::Nums(v)) => v.iter().any(|&x| !x.is_nan() && holds(Val::Num(x))),
             Val::Ref(Value::List(v)) => v.iter().any(|v| holds(v.into())),
             Val::None => false,
             _ => self.fault(array, false),
@@ -368,9 +383,9 @@ fn nth_var<'b>(vars: Option<&Vars<'b>>, depth: usize) -> Val<'b> {
 
 fn element(array: &Value, i: usize) -> Val<'_> {
     match array {
-        Value::Nums(v) => v.get(i).map_or(Val::None, |&x| Val::Num(x)),
-        Value::List(v) => v.get(i).map_or(Val::None, Val::from),
-        _ => Val::None,
+        Value::Nums(v) => v.get(i).map_or(NOTHING, |&x| Val::Num(x)),
+        Value::List(v) => v.get(i).map_or(NOTHING, Val::from),
+        _ => NOTHING,
     }
 }
 
@@ -380,9 +395,9 @@ fn lookup<'b>(names: Val<'b>, values: Val<'b>, name: Val<'_>) -> Option<Val<'b>>
         (Val::None, ..) | (_, Val::None, _) | (.., Val::None) => Some(Val::None),
         (Val::Ref(Value::List(names)), Val::Ref(values), Val::Str(name)) => {
             let i = names.iter().position(|n| matches!(n, Value::Str(s) if s == name));
-            Some(i.map_or(Val::None, |i| element(values, i)))
+            Some(i.map_or(NOTHING, |i| element(values, i)))
         }
-        (Val::Ref(Value::Nums(names)), ..) if names.is_empty() => Some(Val::None),
+        (Val::Ref(Value::Nums(names)), ..) if names.is_empty() => Some(NOTHING),
         _ => None,
     }
 }

@@ -93,13 +93,32 @@ pub struct Outcome {
     pub positions: u64,
 }
 
+/// Joins what was said on two pieces of a trace, property by property, instance by instance: an instance whose value only one piece
+/// saw was judged there alone.
+pub(crate) fn join(before: Option<Vec<Outcome>>, later: Vec<Outcome>) -> Vec<Outcome> {
+    let Some(mut all) = before else { return later };
+    for outcome in later {
+        match all.iter_mut().find(|o| (o.property, &o.instance) == (outcome.property, &outcome.instance)) {
+            Some(same) => same.join(outcome),
+            None => all.push(outcome),
+        }
+    }
+    // Stable: instances stay in the order in which their values were seen.
+    all.sort_by_key(|o| o.property);
+    all
+}
+
 impl Outcome {
-    /// Joins the outcome of a later piece of the trace, after a jump back in time.
-    pub(crate) fn join(&mut self, later: Outcome) {
+    /// Time jumps back: what was unmet can no longer be judged.
+    pub(crate) fn cut_off_by_jump(&mut self) {
         if self.verdict == Verdict::Unmet {
             self.verdict = Verdict::Inconclusive;
             self.cause = Some("time jumped back before what had to happen happened".into());
         }
+    }
+
+    /// Joins the outcome of a later piece of the trace, after a jump back in time.
+    fn join(&mut self, later: Outcome) {
         if later.verdict < self.verdict || (later.verdict == self.verdict && self.cause.is_none()) {
             (self.verdict, self.cause) = (later.verdict, later.cause);
         }

@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 use lapwing_stream::Value;
 
 use crate::node::View;
-use crate::program::{Bound, Op, Window};
+use crate::program::{Bound, NodeId, Op, Window};
 
 /// The memory of one operator.
 #[derive(Clone, Debug)]
@@ -16,13 +16,13 @@ pub(crate) enum Memory {
     /// The latest values, a ring: `at` is the oldest.
     Ring { values: Vec<Value>, at: usize },
     /// The value before, and its stamp.
-    Before { value: f64, stamp: i64 },
+    Before { value: Option<f64>, stamp: Option<i64> },
     /// A truth value before.
     Last(bool),
     /// Stamps at which the operand held: those that have not reached the lower end of the bound, and the latest that has.
     Held { pending: VecDeque<i64>, reached: Option<i64> },
-    /// The stamp at which the operand began to hold without a break.
-    Since(Option<i64>),
+    /// The stamp at which the operand began to hold without a break, and the last at which it did not.
+    Since { since: Option<i64>, broken: Option<i64> },
     /// The values in a window; for a minimum or maximum only those that may still become it.
     Window(VecDeque<(i64, f64)>),
     /// The stamps in a window at which the operand held.
@@ -34,10 +34,10 @@ impl Memory {
     pub fn new(op: &Op) -> Memory {
         match op {
             Op::Lookback(_, n) => Memory::Ring { values: alloc::vec![Value::Missing; *n], at: 0 },
-            Op::Delta(_) | Op::Rate(_) => Memory::Before { value: f64::NAN, stamp: 0 },
+            Op::Delta(_) | Op::Rate(_) => Memory::Before { value: None, stamp: None },
             Op::Previously(_) | Op::Becomes(_) => Memory::Last(false),
             Op::Once(..) | Op::Since(..) => Memory::Held { pending: VecDeque::new(), reached: None },
-            Op::Held(..) => Memory::Since(None),
+            Op::Held(..) => Memory::Since { since: None, broken: None },
             Op::Window(..) => Memory::Window(VecDeque::new()),
             Op::Count(..) => Memory::Stamps(VecDeque::new()),
             Op::Slot { .. } | Op::Holds(_) | Op::And(..) | Op::Iff(..) => Memory::None,
@@ -49,10 +49,13 @@ impl Memory {
 pub(crate) fn prime(op: &Op, memory: &mut Memory, view: &View<'_>, bit: &mut bool, value: &mut Value) {
     match (op, &mut *memory) {
         (Op::Lookback(node, _), Memory::Ring { values, .. }) => values.iter_mut().for_each(|v| view.value(*node).store(v)),
-        (Op::Delta(node), Memory::Before { value, .. }) => *value = view.num(*node),
+        (Op::Delta(node) | Op::Rate(node), Memory::Before { value, .. }) => *value = number(view, *node),
         _ => {}
     }
     step(op, memory, view, false, bit, value);
+    if let Memory::Before { stamp, .. } = memory {
+        *stamp = None;
+    }
 }
 
 /// One step of the code: the operator's register, a truth value or another, gets its value at this position, and its memory takes
@@ -86,12 +89,27 @@ pub(crate) fn step(op: &Op, memory: &mut Memory, view: &View<'_>, running: bool,
             }
             *bit = once(bound, view.bool(*right), view.now, pending, reached);
         }
-        (Op::Held(duration, of), Memory::Since(since)) => {
-            *since = if view.bool(*of) { since.or(Some(view.now)) } else { None };
-            *bit = since.is_some_and(|s| s <= view.now.saturating_sub(duration.nanos()));
+        (Op::Held(duration, of), Memory::Since { since, broken }) => {
+            let from = view.now.saturating_sub(duration.nanos());
+            if view.bool(*of) {
+                since.get_or_insert(view.now);
+            } else {
+                (*since, *broken) = (None, Some(view.now));
+            }
+            // A position with the very stamp at which the window begins lies inside it.
+            *bit = since.is_some_and(|s| s <= from) && broken.is_none_or(|b| b < from);
         }
         _ => *bit = false,
     }
+}
+
+/// A number, where there is one.
+fn number(view: &View<'_>, node: NodeId) -> Option<f64> {
+    view.is_there(node).then(|| view.num(node))
+}
+
+fn difference(now: Option<f64>, before: Option<f64>) -> Option<f64> {
+    Some(now? - before?)
 }
 
 /// The operators that look to earlier instants, before position 0 as well.
@@ -107,15 +125,16 @@ fn look_back(op: &Op, memory: &mut Memory, view: &View<'_>, out: &mut Value) {
             }
         }
         (Op::Delta(node), Memory::Before { value, .. }) => {
-            let now = view.num(*node);
-            *out = Value::Num(now - *value);
+            let now = number(view, *node);
+            *out = difference(now, *value).map_or(Value::Missing, Value::Num);
             *value = now;
         }
         (Op::Rate(node), Memory::Before { value, stamp }) => {
-            let now = view.num(*node);
-            let seconds = (view.now - *stamp) as f64 / 1e9;
-            *out = Value::Num(if seconds == 0.0 { f64::NAN } else { (now - *value) / seconds });
-            (*value, *stamp) = (now, view.now);
+            let now = number(view, *node);
+            let nanos = stamp.map_or(0, |stamp| view.now.saturating_sub(stamp));
+            let rate = |difference: f64| if nanos == 0 { f64::NAN } else { difference / (nanos as f64 / 1e9) };
+            *out = difference(now, *value).map_or(Value::Missing, |d| Value::Num(rate(d)));
+            (*value, *stamp) = (now, Some(view.now));
         }
         _ => *out = Value::Missing,
     }
@@ -133,14 +152,14 @@ pub(crate) fn once(bound: &Bound, holds: bool, now: i64, pending: &mut VecDeque<
             pending.push_back(now);
         }
         while let Some(&stamp) = pending.front() {
-            if !bound.begun(now - stamp) {
+            if !bound.begun(now.saturating_sub(stamp)) {
                 break;
             }
             *reached = Some(stamp);
             pending.pop_front();
         }
     }
-    reached.is_some_and(|stamp| bound.not_over(now - stamp))
+    reached.is_some_and(|stamp| bound.not_over(now.saturating_sub(stamp)))
 }
 
 /// The operators over a window of positions. Before position 0 there are none.

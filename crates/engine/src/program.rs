@@ -473,6 +473,9 @@ pub enum At {
 pub struct Look {
     /// The segments in which it stands.
     pub context: ContextId,
+    /// The contexts of `until` and `before` in which it stands, the innermost first: what is entered inside one counts once its X has
+    /// come.
+    pub awaits: Vec<ContextId>,
     /// What is looked at, from the looks before.
     pub kind: LookKind,
     /// The property and the number of its scope that this counts for.

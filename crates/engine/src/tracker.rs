@@ -174,7 +174,7 @@ impl Live {
 pub(crate) fn is_obliged(tracker: &Tracker, segment: &Segment, now: i64) -> bool {
     match tracker.at {
         At::First => segment.first,
-        At::Within(bound) => bound == Bound::ALL || bound.contains(now - segment.start_stamp),
+        At::Within(bound) => bound == Bound::ALL || bound.contains(now.saturating_sub(segment.start_stamp)),
     }
 }
 
@@ -185,7 +185,7 @@ pub(crate) fn can_add(tracker: &Tracker, contexts: &[Context], segments: &[Segme
         At::First => new,
         At::Within(bound) => {
             let segment = &segments[tracker.context as usize];
-            new || (open && (!bound.has_end() || bound.not_over(now - segment.start_stamp)))
+            new || (open && (!bound.has_end() || bound.not_over(now.saturating_sub(segment.start_stamp))))
         }
     }
 }

@@ -10,8 +10,8 @@ use lapwing_stream::{Time, Value, Verdict};
 use crate::hints;
 use crate::losses::Damage;
 use crate::spec::Spec;
-use crate::words;
 use crate::witness::Found;
+use crate::words;
 
 /// A property of which nothing is known yet but the text.
 pub(crate) fn blank(spec: &Spec, meaning: &checked::Spec, property: &checked::Property) -> Property {
@@ -67,7 +67,8 @@ impl<'f> Notes<'f> {
     fn violation(&mut self, property: usize, instance: &str, episode: Episode) -> Violation {
         let Episode { failed, began, until, count } = episode;
         let noted = self.by_episode.get_mut(&(property, instance.to_owned(), failed, began));
-        let blank = Violation { began, failed, until, count, values: None, began_values: None, history: Vec::new(), why: None };
+        let blank =
+            Violation { began, failed, until, count, values: None, began_values: None, history: Vec::new(), why: None };
         match noted.and_then(|notes| if notes.len() > 1 { notes.pop() } else { notes.last().copied() }) {
             Some(found) => Violation { until, count, ..found.violation.clone() },
             None => blank,
@@ -130,7 +131,7 @@ fn gather(spec: &Spec, e: &Expr, found: &mut Vec<Scope>) {
 }
 
 /// What the specification wants done on a violation of a property, in words.
-fn reactions(meaning: &checked::Spec, name: &str) -> Vec<String> {
+pub(crate) fn reactions(meaning: &checked::Spec, name: &str) -> Vec<String> {
     let base = name.split('[').next().unwrap_or(name);
     let of_property = meaning.reactions.iter().filter(|r| r.property == base);
     of_property

@@ -18,7 +18,9 @@ pub(crate) fn is_plain(e: &Expr) -> bool {
         Kind::Num(_) | Kind::Bool(_) | Kind::Str(_) | Kind::Input(_) => true,
         Kind::Field(..) | Kind::Index(..) | Kind::Truth(_) | Kind::Neg(_) | Kind::Not(_) => true,
         Kind::Arith(..) | Kind::Compare { .. } | Kind::Connective(..) => true,
-        Kind::Call(func, _) => engine_func(*func).is_some() || matches!(func, Func::Len | Func::MinOf | Func::MaxOf | Func::IsNan),
+        Kind::Call(func, _) => {
+            engine_func(*func).is_some() || matches!(func, Func::Len | Func::MinOf | Func::MaxOf | Func::IsNan)
+        }
         _ => false,
     };
     own && e.children().into_iter().all(is_plain)
@@ -37,7 +39,9 @@ pub(crate) fn eval(e: &Expr, at: &dyn Moment) -> Option<Value> {
         Kind::Neg(of) => number(of, at).map(|x| Value::Num(-x)),
         Kind::Not(of) => condition(of, at).map(|b| Value::Bool(!b)),
         Kind::Arith(op, l, r) => Some(Value::Num(arith(*op, number(l, at)?, number(r, at)?))),
-        Kind::Compare { op, margin, left, right } => comparison(*op, margin.as_deref(), left, right, at).map(Value::Bool),
+        Kind::Compare { op, margin, left, right } => {
+            comparison(*op, margin.as_deref(), left, right, at).map(Value::Bool)
+        }
         Kind::Connective(op, l, r) => connective(*op, condition(l, at), condition(r, at)).map(Value::Bool),
         Kind::Call(func, args) => call(*func, args, at),
         _ => None,
@@ -154,4 +158,55 @@ fn engine_func(func: checked::Func) -> Option<program::Func> {
         Func::Rad => program::Func::Rad,
         _ => return None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lapwing_check::checked::Body;
+
+    struct Values(Vec<Value>);
+
+    impl Moment for Values {
+        fn value(&self, input: usize) -> &Value {
+            self.0.get(input).unwrap_or(&Value::Missing)
+        }
+    }
+
+    /// A condition over the columns `a` and `b`, which it names in this order.
+    fn condition_of(text: &str) -> Expr {
+        let spec = crate::Spec::parse("t.rv", &format!("never {text}\n"), &|_| None).unwrap();
+        let columns = vec!["a".to_owned(), "b".to_owned()];
+        let shape = lapwing_check::TraceShape { columns, schemaless: true, ..Default::default() };
+        let Body::Formula(formula) = spec.against(&shape).spec.properties.remove(0).body else {
+            panic!("{text} is no formula")
+        };
+        let Kind::Always(_, not) = formula.kind else { panic!("{text} is not judged always") };
+        let Kind::Not(condition) = not.kind else { panic!("{text} is not negated") };
+        *condition
+    }
+
+    #[test]
+    fn conditions_are_true_false_or_unknown() {
+        let at = Values(vec![Value::Num(3.0), Value::Num(-4.0)]);
+        for text in [
+            "a > 2 and b < 0",
+            "norm(a, b) == 5",
+            "a - abs(b) =={0.1} -1",
+            "a < 0 implies b > 0",
+            "not (a < b) iff a > b",
+        ] {
+            assert_eq!(condition(&condition_of(text), &at), Some(true), "{text}");
+        }
+        let unknown = Values(vec![Value::Num(3.0)]);
+        assert_eq!(condition(&condition_of("a > 2 or a > b"), &unknown), Some(true));
+        assert_eq!(condition(&condition_of("a > 2 and (a + 0 > 0 implies a > 0)"), &unknown), Some(true));
+    }
+
+    #[test]
+    fn what_has_a_memory_is_not_plain() {
+        assert!(is_plain(&condition_of("max(a, b) > 2")));
+        assert!(!is_plain(&condition_of("delta(a) > b")));
+        assert!(!is_plain(&condition_of("previously a > b")));
+    }
 }

@@ -49,10 +49,16 @@ fn after(formula: &Expr) -> Option<(&Expr, &Expr)> {
 pub(crate) fn of(property: &Property) -> Vec<String> {
     let mut hints = Vec::new();
     if property.vacuous {
-        hints.push("nothing in this recording put it to the test: check the condition, or record a run in which it happens".to_owned());
+        hints.push(
+            "nothing in this recording put it to the test: check the condition, or record a run in which it happens"
+                .to_owned(),
+        );
     }
     if property.nans > 0 && property.verdict != Verdict::Inconclusive {
-        hints.push("a comparison with NaN is false whatever it compares (but for `!=`): guard it with `not isnan(…)`".to_owned());
+        hints.push(
+            "a comparison with NaN is false whatever it compares (but for `!=`): guard it with `not isnan(…)`"
+                .to_owned(),
+        );
     }
     hints
 }

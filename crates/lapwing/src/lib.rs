@@ -23,18 +23,18 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-mod spec;
 mod session;
+mod spec;
 mod watch;
 
-mod shape;
 mod intake;
-mod run;
 mod losses;
+mod run;
+mod shape;
 
-mod shown;
 mod eval;
 mod ring;
+mod shown;
 mod witness;
 
 mod account;
@@ -43,9 +43,6 @@ mod words;
 
 pub mod explain;
 pub mod starter;
-
-
-
 
 pub use lapwing_react::{Report, Standing};
 pub use lapwing_record::{OpenError, TimeSource};

@@ -54,3 +54,33 @@ impl Damage {
         Ending { broke_off: self.broke_off.clone(), lost: lost.collect() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lapwing_record::{Place, Position};
+
+    fn loss(topic: Option<&str>, after: Option<i64>) -> Loss {
+        let at = Place { file: "run.mcap".into(), position: Position::Byte(7) };
+        Loss { at, topic: topic.map(str::to_owned), what: "gone".to_owned(), after: after.map(Time) }
+    }
+
+    #[test]
+    fn a_loss_after_the_last_message_is_a_break_and_one_before_it_a_hole() {
+        let of = |loss| Damage::new(&[loss], None, Some(Time(5)));
+        assert_eq!(of(loss(None, Some(5))).broke_off.as_deref(), Some("gone"));
+        assert_eq!(of(loss(None, Some(4))).hole.as_deref(), Some("gone"));
+        assert_eq!(of(loss(None, None)).hole.as_deref(), Some("gone"));
+        assert_eq!(Damage::new(&[loss(None, None)], None, None).broke_off.as_deref(), Some("gone"));
+    }
+
+    #[test]
+    fn a_topic_that_lost_something_is_known_to_the_engine_by_its_number() {
+        let damage = Damage::new(&[loss(Some("odom"), Some(4))], None, Some(Time(5)));
+        let topic =
+            |name: &str| Topic { name: name.to_owned(), type_name: None, fields: Vec::new(), span: Default::default() };
+        let ending = damage.ending(&[topic("/scan"), topic("/odom")]);
+        assert_eq!(ending.lost, [(1, "messages of /odom are lost: gone".to_owned())]);
+        assert!(ending.broke_off.is_none() && damage.gaps == ["run.mcap, byte 7: gone (topic odom)"]);
+    }
+}

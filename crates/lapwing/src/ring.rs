@@ -95,3 +95,35 @@ impl Moment for Instant<'_> {
         place.and_then(|p| self.ring.values.get(self.at * self.ring.kept.len() + p)).unwrap_or(&Value::Missing)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_latest_instants_are_kept_in_order() {
+        let mut ring = Ring::new(3, |input| input != 1);
+        let count = INSTANTS as i64 + 10;
+        for k in 0..count {
+            let values = [Value::Num(k as f64), Value::Num(-1.0), Value::Bool(k % 2 == 0)];
+            ring.push(Time(k), |input| &values[input]);
+        }
+        let times: Vec<i64> = ring.instants().map(|i| i.time().0).collect();
+        assert_eq!(times, (10..count).collect::<Vec<_>>());
+        let last = ring.instants().next_back().unwrap();
+        let expected = [&Value::Num(count as f64 - 1.0), &Value::Missing, &Value::Bool(false), &Value::Missing];
+        assert_eq!([0, 1, 2, 9].map(|input| last.value(input)), expected);
+        ring.clear();
+        assert_eq!(ring.instants().count(), 0);
+    }
+
+    #[test]
+    fn long_arrays_are_not_kept() {
+        let mut ring = Ring::new(1, |_| true);
+        ring.push(Time(0), |_| const { &Value::Num(1.0) });
+        let scan = Value::Nums(vec![0.0; LONGEST + 1]);
+        ring.push(Time(1), |_| &scan);
+        let values: Vec<Value> = ring.instants().map(|i| i.value(0).clone()).collect();
+        assert_eq!(values, [Value::Num(1.0), Value::Missing]);
+    }
+}

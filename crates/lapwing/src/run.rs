@@ -185,7 +185,10 @@ impl<'s> Run<'s> {
         let unseen = self.topics().into_iter().filter(|t| t.unseen as f64 > UNSEEN * t.messages as f64).map(|t| {
             let share = 100.0 * t.unseen as f64 / t.messages.max(1) as f64;
             let what = format!("{share:.0} % of the messages of {} ({} of {})", t.name, t.unseen, t.messages);
-            let how = format!("came between two instants of {} and went unseen: raise its `__rate__`, or use `clock events`", self.spec.name());
+            let how = format!(
+                "came between two instants of {} and went unseen: raise its `__rate__`, or use `clock events`",
+                self.spec.name()
+            );
             Warning::with_code(Code::SamplingUnseen, format!("{what} {how}"))
         });
         let latched = (0..self.meaning.properties.len()).filter(|p| self.witness.is_latched(*p)).filter_map(|p| {

@@ -14,8 +14,8 @@ use crate::shape;
 use crate::spec::Spec;
 use crate::watch::Watch;
 
-/// After so many messages a watch is asked whether to go on.
-const ASKED_EVERY: u32 = 256;
+/// After so many messages a watch is told how far the reading has come.
+const TOLD_EVERY: u32 = 256;
 
 /// How a recording is to be checked.
 #[derive(Clone, Debug, Default)]
@@ -84,7 +84,11 @@ pub fn unopened(specs: &[Spec], trace: &Path, why: &OpenError, watch: &mut dyn W
     for spec in specs {
         let meaning = &spec.alone().spec;
         let blanks = meaning.properties.iter().map(|p| crate::account::blank(spec, meaning, p));
-        report.properties.extend(blanks.map(|p| lapwing_react::Property { cause: Some(cause.clone()), reactions: Vec::new(), ..p }));
+        report.properties.extend(blanks.map(|p| lapwing_react::Property {
+            cause: Some(cause.clone()),
+            reactions: Vec::new(),
+            ..p
+        }));
     }
     report.gaps.push(why.to_string());
     watch.event(Event::Start(&report));
@@ -103,7 +107,10 @@ fn topics(runs: &[Run], recording: &Recording) -> Vec<Topic> {
     let mut topics: Vec<Topic> = Vec::new();
     for topic in runs.iter().flat_map(Run::topics) {
         if topics.iter().all(|t| t.name != topic.name) {
-            let recorded = recording.topics().iter().find(|t| t.name.trim_start_matches('/') == topic.name.trim_start_matches('/'));
+            let recorded = recording
+                .topics()
+                .iter()
+                .find(|t| t.name.trim_start_matches('/') == topic.name.trim_start_matches('/'));
             let recorded = recorded.map(|t| t.type_name.clone()).filter(|name| !name.is_empty());
             topics.push(Topic { type_name: recorded.or_else(|| topic.type_name.clone()), ..topic });
         }
@@ -141,7 +148,14 @@ impl Course<'_> {
         let (mut last, mut error, mut stopped) = (None, None, None);
         let mut count = 0_u32;
         while stopped.is_none() {
-            match self.step(runs, &mut last) {
+            let step = self.step(runs, &mut last);
+            let told: usize = runs.iter_mut().map(|run| self.tell(run)).sum();
+            if told > 0 && options.until_first_violation {
+                stopped = Some("stopped at the first violation, as asked");
+            } else if !self.watch.goes_on() {
+                stopped = Some("interrupted");
+            }
+            match step {
                 Step::Went => {}
                 Step::End => break,
                 Step::Broke(e) => {
@@ -149,13 +163,10 @@ impl Course<'_> {
                     break;
                 }
             }
-            let failed = runs.iter_mut().fold(false, |failed, run| self.tell(run) || failed);
-            if failed && options.until_first_violation {
-                stopped = Some("stopped at the first violation, as asked");
-            }
             count = count.wrapping_add(1);
-            if count.is_multiple_of(ASKED_EVERY) && !self.is_wanted() {
-                stopped = Some("interrupted");
+            if count.is_multiple_of(TOLD_EVERY) {
+                let (read, of) = self.reader.progress();
+                self.watch.progress(read, of);
             }
         }
         let mut damage = Damage::new(self.reader.losses(), error.as_ref(), last);
@@ -180,24 +191,17 @@ impl Course<'_> {
         }
     }
 
-    /// Says how far the reading has come, and asks whether to go on.
-    fn is_wanted(&mut self) -> bool {
-        let (read, of) = self.reader.progress();
-        self.watch.progress(read, of);
-        self.watch.goes_on()
-    }
-
-    /// Tells what happened in a run since it was last asked. Gives whether something failed.
-    fn tell(&mut self, run: &mut Run) -> bool {
+    /// Tells what happened in a run since it was last asked. Gives how many violations that were.
+    fn tell(&mut self, run: &mut Run) -> usize {
         while let Some(warning) = run.jump() {
             self.warn(warning);
         }
-        let mut failed = false;
+        let mut told = 0;
         while let Some((property, violation)) = run.news() {
             self.watch.event(Event::Violation { property: &property, violation: &violation });
-            failed = true;
+            told += 1;
         }
-        failed
+        told
     }
 
     fn warn(&mut self, warning: Warning) {

@@ -42,7 +42,8 @@ pub enum SpecError {
 impl Spec {
     /// Reads and checks a file. Files that it uses are looked for beside it.
     pub fn load(path: &Path) -> Result<Spec, SpecError> {
-        let text = std::fs::read_to_string(path).map_err(|error| SpecError::Unreadable { path: path.to_owned(), error })?;
+        let text =
+            std::fs::read_to_string(path).map_err(|error| SpecError::Unreadable { path: path.to_owned(), error })?;
         let folder = path.parent().unwrap_or(Path::new(""));
         Spec::parse(&path.to_string_lossy(), &text, &|used| std::fs::read_to_string(folder.join(used)).ok())
     }
@@ -95,7 +96,8 @@ impl Spec {
 
 /// What parser and check found. What the parser could not read is not there for the check: names that seem unknown then are left out.
 fn all(parsed: Vec<Diagnostic>, checked: &[Diagnostic]) -> Vec<Diagnostic> {
-    let follows = |code| matches!(code, Code::UnknownName | Code::UnknownFunction | Code::UnknownState | Code::UnusedName);
+    let follows =
+        |code| matches!(code, Code::UnknownName | Code::UnknownFunction | Code::UnknownState | Code::UnusedName);
     let broken = has_errors(&parsed);
     let mut all = parsed;
     all.extend(checked.iter().filter(|d| !broken || !follows(d.code)).cloned());

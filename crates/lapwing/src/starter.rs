@@ -90,7 +90,10 @@ fn topics(recording: &Recording, out: &mut String) {
 /// Why there is no declaration.
 fn undeclared(topic: &TopicInfo) -> String {
     match (&topic.schema, short(&topic.type_name)) {
-        (_, "ModelStates") => "# The ground truth: `NAME.position`, `NAME.velocity`, `NAME.distance.OTHER` need no declaration.\n".to_owned(),
+        (_, "ModelStates") => {
+            "# The ground truth: `NAME.position`, `NAME.velocity`, `NAME.distance.OTHER` need no declaration.\n"
+                .to_owned()
+        }
         (Err(why), _) => format!("# Its type is not known: {}\n", why.lines().next().unwrap_or_default()),
         (Ok(_), _) => "# It has no field that is a number, a boolean or a text.\n".to_owned(),
     }
@@ -104,13 +107,17 @@ struct Signal {
 
 fn declared(topic: &TopicInfo) -> Option<Signal> {
     let schema = topic.schema.as_ref().ok()?;
-    let field = usual(short(&topic.type_name)).filter(|path| has(schema, path)).map(str::to_owned).or_else(|| first(schema, 0))?;
+    let field = usual(short(&topic.type_name))
+        .filter(|path| has(schema, path))
+        .map(str::to_owned)
+        .or_else(|| first(schema, 0))?;
     let absolute = format!("/{}", topic.name.trim_start_matches('/'));
     let line = |name: &str| format!("decl {name} {absolute} {}.{field}\n", topic.type_name);
     let name = name(&absolute);
     let name = if is_fine(&line(&name)) { name } else { format!("`{name}`") };
     let declaration = line(&name);
-    is_fine(&declaration).then(|| Signal { properties: properties(&name, &absolute, short(&topic.type_name)), declaration })
+    is_fine(&declaration)
+        .then(|| Signal { properties: properties(&name, &absolute, short(&topic.type_name)), declaration })
 }
 
 /// The field that people usually ask about.
@@ -175,7 +182,8 @@ fn short(type_name: &str) -> &str {
 
 /// A name for a topic: its own, with `_` for every slash.
 fn name(topic: &str) -> String {
-    let name: String = topic.trim_start_matches('/').chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect();
+    let name: String =
+        topic.trim_start_matches('/').chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect();
     match name.starts_with(|c: char| c.is_alphabetic()) {
         true => name,
         false => format!("topic_{name}"),
@@ -200,7 +208,11 @@ mod tests {
     fn the_blank_one_is_a_specification_with_its_comments_and_without() {
         let spec = |text: &str| Spec::parse("new.rv", text, &|_| None).map_err(|e| e.to_string());
         assert!(spec(&blank()).is_ok());
-        let bare: String = EXAMPLES.lines().filter(|l| l.contains("decl ") || !l.contains(':') || l.contains("follows")).map(|l| l.trim_start_matches(['#', ' ']).to_owned() + "\n").collect();
+        let bare: String = EXAMPLES
+            .lines()
+            .filter(|l| l.contains("decl ") || !l.contains(':') || l.contains("follows"))
+            .map(|l| l.trim_start_matches(['#', ' ']).to_owned() + "\n")
+            .collect();
         let read = spec(&bare).unwrap();
         assert_eq!(read.alone().spec.properties.len(), 5, "{bare}");
         assert_eq!(lapwing_syntax::format(&blank()).unwrap(), blank());

@@ -10,7 +10,7 @@ pub trait Watch {
     /// So much was read, of so much: 0 where that is not known.
     fn progress(&mut self, _read: u64, _of: u64) {}
 
-    /// Whether to go on. Asked between two messages, not after each.
+    /// Whether to go on. Asked after every message.
     fn goes_on(&mut self) -> bool {
         true
     }

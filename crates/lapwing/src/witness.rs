@@ -109,16 +109,26 @@ impl Witness {
         let interest = self.interests.get(property)?;
         let count = self.counts.get_mut(property)?;
         *count += 1;
-        let mut violation =
-            Violation { began, failed, until: failed, count: 1, values: None, began_values: None, history: Vec::new(), why: None };
+        let mut violation = Violation {
+            began,
+            failed,
+            until: failed,
+            count: 1,
+            values: None,
+            began_values: None,
+            history: Vec::new(),
+            why: None,
+        };
         if *count <= WITH_VALUES {
             let values = readings(&interest.shown, &Now(inputs));
-            violation.began_values = if began == failed { Some(values.clone()) } else { began_values(&self.ring, interest, began) };
+            violation.began_values =
+                if began == failed { Some(values.clone()) } else { began_values(&self.ring, interest, began) };
             violation.values = Some(values);
         }
         if *count <= WITH_HISTORY {
             violation.history = history(&self.ring, interest, began.min(failed - Duration::from_nanos(BACK)));
-            self.latched[property] |= interest.latch.as_ref().is_some_and(|latch| has_ceased(latch, &self.ring, inputs));
+            self.latched[property] |=
+                interest.latch.as_ref().is_some_and(|latch| has_ceased(latch, &self.ring, inputs));
         }
         Some(violation)
     }

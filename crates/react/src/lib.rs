@@ -9,14 +9,14 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-mod report;
 mod event;
-mod tally;
 mod format;
-mod shown;
 mod json;
-mod ndjson;
 mod junit;
+mod ndjson;
+mod report;
+mod shown;
+mod tally;
 mod text;
 
 pub use event::Event;

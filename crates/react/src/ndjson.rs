@@ -38,9 +38,7 @@ fn content(event: Event<'_>) -> Value {
         }
         Event::Warning(warning) => json::warning(warning),
         Event::Verdict(property) => json::property(property),
-        Event::End(report) => {
-            only(json::report(report), &["start_ns", "end_ns", "instants", "topics", "gaps"])
-        }
+        Event::End(report) => only(json::report(report), &["start_ns", "end_ns", "instants", "topics", "gaps"]),
     }
 }
 
@@ -62,7 +60,9 @@ fn identity(property: &Property) -> Map<String, Value> {
 /// Some of the keys of an object.
 fn only(object: Value, keys: &[&str]) -> Value {
     match object {
-        Value::Object(object) => Value::Object(object.into_iter().filter(|(k, _)| keys.contains(&k.as_str())).collect()),
+        Value::Object(object) => {
+            Value::Object(object.into_iter().filter(|(k, _)| keys.contains(&k.as_str())).collect())
+        }
         other => other,
     }
 }

@@ -12,7 +12,7 @@ pub(crate) struct View {
     /// The positions before this one are seen.
     pub(crate) seen: usize,
     /// The stamps of those not yet seen are at least this.
-    pub(crate) rest: Time,
+    pub(crate) rest: (Time, bool),
     /// How the segment ends.
     pub(crate) end: End,
 }
@@ -125,8 +125,8 @@ impl Course<'_> {
         match (view.end, deadline) {
             (End::At(_), _) => false,
             (End::Open, None) => true,
-            (End::Open, Some(deadline)) if bound.hi_closed => view.rest <= deadline,
-            (End::Open, Some(deadline)) => view.rest < deadline,
+            (End::Open, Some(deadline)) if bound.hi_closed => view.rest <= (deadline, false),
+            (End::Open, Some(deadline)) => view.rest < (deadline, false),
             (End::Cut, None) => false,
             (End::Cut, Some(deadline)) => deadline > self.piece.last,
         }
@@ -246,7 +246,7 @@ impl Course<'_> {
             First::NotBefore(j) if j == i => Unknown,
             // What lies before `j` is in the segment for sure, what comes from there on is unknown.
             First::NotBefore(j) => {
-                let rest = if j < self.len() && j < view.seen { self.time(j) } else { view.rest };
+                let rest = if j < self.len() && j < view.seen { (self.time(j), false) } else { view.rest };
                 self.hat(f, i, View { seen: j, rest, end: End::Open })
             }
             First::Nowhere => self.hat(f, i, view),

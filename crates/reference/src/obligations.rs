@@ -272,7 +272,7 @@ fn conjuncts(f: &Expr) -> Vec<&Expr> {
 struct Moment {
     at: Time,
     seen: usize,
-    rest: Time,
+    rest: (Time, bool),
 }
 
 /// What became of an obligation.
@@ -301,9 +301,9 @@ fn moments(course: &Course<'_>, formula: &Expr) -> Vec<Moment> {
     for at in stamps.into_iter().filter(|&t| t <= last) {
         let earlier = (0..course.len()).filter(|&k| course.time(k) < at).count();
         let now = (0..course.len()).filter(|&k| course.time(k) == at).count();
-        moments.extend((0..=now).map(|n| Moment { at, seen: earlier + n, rest: at }));
+        moments.extend((0..=now).map(|n| Moment { at, seen: earlier + n, rest: (at, false) }));
         if at < last {
-            moments.push(Moment { at, seen: earlier + now, rest: at + Duration::from_nanos(1) });
+            moments.push(Moment { at, seen: earlier + now, rest: (at, true) });
         }
     }
     moments
@@ -355,7 +355,7 @@ impl Course<'_> {
 
     /// The whole trace, taken as all there is.
     pub(crate) fn whole(&self) -> View {
-        View { seen: self.len(), rest: self.piece.last, end: End::Cut }
+        View { seen: self.len(), rest: (self.piece.last, false), end: End::Cut }
     }
 }
 

@@ -196,7 +196,7 @@ fn stays_can_be_too_long_and_too_short() {
     };
     // go is entered at 1 s: leaving at 3 s is in time, later is not.
     assert_eq!(judged(occurs(3 * S, 0)), "holds 2/0/0");
-    assert_eq!(judged(occurs(3 * S + 1, 0)), "violated 2/1/0 3>3..3 x1");
+    assert_eq!(judged(occurs(3 * S + 1, 0)), "violated 2/1/0 1>3..3 x1");
     assert_eq!(judged(other(3 * S)), "unmet 1/0/1");
     assert_eq!(judged(other(2 * S)), "holds 1/0/1");
     assert_eq!(judged(occurs(1500 * MS, 0)), "violated 2/1/0 1.5>1.5..1.5 x1");

@@ -1,10 +1,10 @@
 //! Comparisons of an age with a constant: when, after a message, their value changes.
 
-use lapwing_engine::program::AgeFlips;
+use lapwing_engine::program::{self as engine, AgeFlips};
 use lapwing_stream::Duration;
 
 use super::{below, machine_exprs};
-use crate::checked::{self, Arith, Clock, Compare, EventSource, Expr, Func, Kind};
+use crate::checked::{self, Arith, Clock, EventSource, Expr, Func, Kind};
 
 /// The flips that make instants for a property: those of its formula, and those of the machines that it reads.
 pub(crate) fn of_property(spec: &checked::Spec, property: &checked::Property, formula: &Expr) -> Vec<AgeFlips> {
@@ -56,12 +56,13 @@ fn of_expr(spec: &checked::Spec, e: &Expr) -> Vec<AgeFlips> {
         Kind::Compare { op, ref margin, ref left, ref right } => {
             let margin = margin.as_deref().map_or(Some(0.0), constant);
             let found = match (&left.kind, &right.kind) {
-                (Kind::Age(topic), _) => constant(right).map(|c| (*topic, op, c)),
-                (_, Kind::Age(topic)) => constant(left).map(|c| (*topic, turned(op), c)),
+                (Kind::Age(topic), _) => constant(right).map(|c| (*topic, c, true)),
+                (_, Kind::Age(topic)) => constant(left).map(|c| (*topic, c, false)),
                 _ => None,
             };
-            if let (Some((topic, op, constant)), Some(margin)) = (found, margin) {
-                merge(&mut flips, vec![AgeFlips { topic, after: changes(op, constant, margin) }]);
+            if let (Some((topic, constant, age_left)), Some(margin)) = (found, margin) {
+                let after = changes(&Comparison { op: super::expr::compare(op), constant, margin, age_left });
+                merge(&mut flips, vec![AgeFlips { topic, after }]);
             }
         }
         Kind::Event(event) => merge(&mut flips, of_event(spec, event)),
@@ -75,19 +76,8 @@ fn of_expr(spec: &checked::Spec, e: &Expr) -> Vec<AgeFlips> {
     flips
 }
 
-/// The comparison with its sides exchanged.
-fn turned(op: Compare) -> Compare {
-    match op {
-        Compare::Lt => Compare::Gt,
-        Compare::Le => Compare::Ge,
-        Compare::Gt => Compare::Lt,
-        Compare::Ge => Compare::Le,
-        same => same,
-    }
-}
-
 /// The value of an expression that names no signal.
-fn constant(e: &Expr) -> Option<f64> {
+pub(crate) fn constant(e: &Expr) -> Option<f64> {
     let value = match &e.kind {
         Kind::Num(x) => *x,
         Kind::Neg(of) => -constant(of)?,
@@ -109,18 +99,34 @@ fn constant(e: &Expr) -> Option<f64> {
     Some(value)
 }
 
+/// A comparison of an age with a constant.
+struct Comparison {
+    op: engine::Compare,
+    constant: f64,
+    margin: f64,
+    age_left: bool,
+}
+
+impl Comparison {
+    /// Its value so many nanoseconds after a message, by the very arithmetic that evaluates it, sides and all.
+    fn holds(&self, nanos: i64) -> bool {
+        let age = Duration::from_nanos(nanos).seconds();
+        let (left, right) = if self.age_left { (age, self.constant) } else { (self.constant, age) };
+        lapwing_engine::compare(self.op, left, right, self.margin)
+    }
+}
+
 /// The distances from a message, from a nanosecond on, at which the comparison of the age differs from what it was just before.
 ///
-/// The age only grows, so that a comparison is true in one stretch at most: its ends are found by bisection over whole nanoseconds,
-/// with the very arithmetic that evaluates it.
-fn changes(op: Compare, constant: f64, margin: f64) -> Vec<Duration> {
-    let age = |nanos: i64| Duration::from_nanos(nanos).seconds();
-    let holds = |nanos| lapwing_engine::compare(super::expr::compare(op), age(nanos), constant, margin);
-    let ends = match op {
-        Compare::Eq | Compare::Ne => {
-            let equal = |n: i64| lapwing_engine::compare(lapwing_engine::program::Compare::Eq, age(n), constant, margin);
-            let begins = first(|n| age(n) >= constant || equal(n));
-            let over = first(|n| age(n) > constant && !equal(n));
+/// The age only grows, so that a comparison is true in one stretch at most: its ends are found by bisection over whole nanoseconds.
+fn changes(comparison: &Comparison) -> Vec<Duration> {
+    let holds = |nanos| comparison.holds(nanos);
+    let ends = match comparison.op {
+        engine::Compare::Eq | engine::Compare::Ne => {
+            let is_equal = |n| Comparison { op: engine::Compare::Eq, ..*comparison }.holds(n);
+            let age = |n: i64| Duration::from_nanos(n).seconds();
+            let begins = first(|n| age(n) >= comparison.constant || is_equal(n));
+            let over = first(|n| age(n) > comparison.constant && !is_equal(n));
             vec![begins, over]
         }
         _ => {
@@ -151,23 +157,31 @@ fn first(holds: impl Fn(i64) -> bool) -> Option<i64> {
 mod tests {
     use super::*;
 
-    fn nanos(op: Compare, constant: f64, margin: f64) -> Vec<i64> {
-        changes(op, constant, margin).into_iter().map(Duration::nanos).collect()
+    fn nanos(op: engine::Compare, constant: f64, margin: f64) -> Vec<i64> {
+        let comparison = Comparison { op, constant, margin, age_left: true };
+        changes(&comparison).into_iter().map(Duration::nanos).collect()
     }
 
     #[test]
     fn an_age_crosses_a_constant_once() {
-        assert_eq!(nanos(Compare::Lt, 0.1, 0.0), [100_000_000]);
-        assert_eq!(nanos(Compare::Le, 0.1, 0.0), [100_000_001]);
-        assert_eq!(nanos(Compare::Gt, 0.1, 0.0), [100_000_001]);
-        assert_eq!(nanos(Compare::Ge, 0.1, 0.0), [100_000_000]);
-        assert_eq!(nanos(Compare::Gt, -1.0, 0.0), []);
+        assert_eq!(nanos(engine::Compare::Lt, 0.1, 0.0), [100_000_000]);
+        assert_eq!(nanos(engine::Compare::Le, 0.1, 0.0), [100_000_001]);
+        assert_eq!(nanos(engine::Compare::Gt, 0.1, 0.0), [100_000_001]);
+        assert_eq!(nanos(engine::Compare::Ge, 0.1, 0.0), [100_000_000]);
+        assert_eq!(nanos(engine::Compare::Gt, -1.0, 0.0), []);
+    }
+
+    #[test]
+    fn the_side_of_the_age_matters_where_a_margin_rounds() {
+        let right = Comparison { op: engine::Compare::Gt, constant: 0.2, margin: 1.0, age_left: false };
+        assert_eq!(changes(&right), [Duration::from_nanos(1_200_000_001)]);
+        assert_eq!(nanos(engine::Compare::Lt, 0.2, 1.0), [1_200_000_000]);
     }
 
     #[test]
     fn equality_begins_and_ends() {
-        assert_eq!(nanos(Compare::Eq, 0.1, 0.0), [100_000_000, 100_000_001]);
-        assert_eq!(nanos(Compare::Ne, 1.0, 0.5), [500_000_000, 1_500_000_001]);
-        assert_eq!(nanos(Compare::Eq, 0.0, 0.5), [500_000_001]);
+        assert_eq!(nanos(engine::Compare::Eq, 0.1, 0.0), [100_000_000, 100_000_001]);
+        assert_eq!(nanos(engine::Compare::Ne, 1.0, 0.5), [500_000_000, 1_500_000_001]);
+        assert_eq!(nanos(engine::Compare::Eq, 0.0, 0.5), [500_000_001]);
     }
 }

@@ -4,7 +4,8 @@ use lapwing_engine::program::{
     At, Bound, Context, ContextKind, Future, FutureKind, FutureRef, Group, Judged, Look, Positions, Tracker,
 };
 
-use super::expr::{Lowered, Lowering, bound};
+use super::ages::constant;
+use super::expr::{Lowered, Lowering, bound, compare};
 use super::replay::replay;
 use crate::checked::{Connective, Expr, Kind, Scope};
 
@@ -318,7 +319,14 @@ fn holds_on_nothing(f: &Expr) -> bool {
                 Connective::Iff => l == r,
             }
         }
-        Kind::Always(..) | Kind::AfterUntil(..) => true,
+        Kind::Always(..) | Kind::AfterUntil(..) | Kind::Historically(..) => true,
+        Kind::Compare { op, margin, left, right } => {
+            let margin = margin.as_deref().map_or(Some(0.0), constant);
+            match (constant(left), constant(right), margin) {
+                (Some(l), Some(r), Some(m)) => lapwing_engine::compare(compare(*op), l, r, m),
+                _ => false,
+            }
+        }
         Kind::Scope(scope, ..) => *scope != Scope::Until,
         _ => false,
     }

@@ -1,6 +1,6 @@
 //! Vacuity: at which positions scopes are looked at, and where they are entered.
 
-use lapwing_engine::program::{Bit, Bound, ContextKind, Look, LookKind};
+use lapwing_engine::program::{Bit, Bound, Context, ContextKind, Look, LookKind};
 
 use super::expr::bound;
 use super::formula::{GroupLowering, WHOLE};
@@ -19,12 +19,25 @@ impl GroupLowering {
     }
 
     fn look(&mut self, context: u32, kind: LookKind, counts: Option<(usize, usize)>) -> u32 {
-        let look = Look { context, kind, counts };
+        let look = Look { context, awaits: self.awaits(context), kind, counts };
         let found = self.looks.iter().position(|l| *l == look);
         found.unwrap_or_else(|| {
             self.looks.push(look);
             self.looks.len() - 1
         }) as u32
+    }
+
+    /// The contexts of `until` and `before` from a context outwards.
+    fn awaits(&self, mut context: u32) -> Vec<u32> {
+        let mut awaits = Vec::new();
+        while context != WHOLE {
+            let Context { parent, kind } = self.contexts[context as usize];
+            if let ContextKind::Until { .. } = kind {
+                awaits.push(context);
+            }
+            context = parent;
+        }
+        awaits
     }
 
     /// The register of a state formula.

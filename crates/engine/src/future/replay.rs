@@ -123,8 +123,8 @@ pub(crate) fn step(state: &mut State, context: u32, formula: &Replay, pass: &Pas
 enum End {
     /// It goes on.
     Open,
-    /// Where it ends depends on what is unknown: nothing is known of what lies beyond.
-    Undetermined,
+    /// Where it ends depends on what is unknown; what may still belong to it has this stamp or a later one.
+    Undetermined { from: i64 },
     /// It is over.
     Closed,
     /// The trace ends here, its last stamp this; what reaches beyond stays unknown.
@@ -214,7 +214,7 @@ impl Asking<'_> {
         let end = (self.stamp(k).saturating_add(bound.hi), bound.hi_closed);
         match s.end {
             End::Open => bound.has_end() && end < self.limit,
-            End::Undetermined => false,
+            End::Undetermined { from } => bound.has_end() && end < (from, true),
             End::Closed => true,
             End::Cut { last } => !bound.has_end() || end.0 <= last,
         }
@@ -224,7 +224,7 @@ impl Asking<'_> {
     fn eventually(&self, bound: &Bound, f: usize, k: Pos, s: Segment, negated: bool) -> Option<bool> {
         let mut found = Some(false);
         for j in k..s.hi {
-            if bound.contains(self.stamp(j) - self.stamp(k)) {
+            if bound.contains(self.stamp(j).saturating_sub(self.stamp(k))) {
                 found = or(found, self.term(f, j, s).map(|x| x != negated));
             }
             if found == Some(true) {
@@ -237,7 +237,7 @@ impl Asking<'_> {
     fn until(&self, bound: &Bound, l: usize, r: usize, k: Pos, s: Segment) -> Option<bool> {
         let (mut found, mut all) = (Some(false), Some(true));
         for j in k..s.hi {
-            if bound.contains(self.stamp(j) - self.stamp(k)) {
+            if bound.contains(self.stamp(j).saturating_sub(self.stamp(k))) {
                 found = or(found, and(all, self.term(r, j, s)));
             }
             all = and(all, self.term(l, j, s));
@@ -267,7 +267,7 @@ impl Asking<'_> {
             First::At(j) => (Some(true), self.term(f, k, Segment { hi: j, end: End::Closed })),
             First::Unknown(u) => {
                 let comes = (u..s.hi).any(|j| self.term(x, j, s) == Some(true));
-                let body = if u == k { None } else { self.term(f, k, Segment { hi: u, end: End::Undetermined }) };
+                let body = if u == k { None } else { self.term(f, k, Segment { hi: u, end: End::Undetermined { from: self.stamp(u) } }) };
                 (comes.then_some(true), body)
             }
             First::Nowhere => (self.nothing_more(s).map(|_| false), self.term(f, k, s)),
@@ -299,7 +299,7 @@ impl Asking<'_> {
                     from = end + skip;
                 }
                 First::Unknown(u) => {
-                    let body = if u == start { None } else { self.term(f, start, Segment { hi: u, end: End::Undetermined }) };
+                    let body = if u == start { None } else { self.term(f, start, Segment { hi: u, end: End::Undetermined { from: self.stamp(u) } }) };
                     return and(and(all, body), None);
                 }
                 First::Nowhere => {

@@ -24,7 +24,7 @@ pub(super) fn known(formula: &Expr) -> String {
         Known::Within(d) => format!("at the latest {d} after what fails began"),
         Known::Next => "at the next instant".to_owned(),
         Known::Closed => "at the latest when what it stands in is over".to_owned(),
-        Known::Never => "never before the end: what has not happened may still happen (then it is `unmet`)".to_owned(),
+        Known::Never => "only at the end: what has not happened may still happen (then it is `unmet`)".to_owned(),
     }
 }
 
@@ -40,7 +40,9 @@ fn fails(e: &Expr, closes: bool) -> Known {
         Kind::Next(of) => Known::Next.and(fails(of, closes)),
         Kind::Not(of) => holds(of, closes),
         Kind::Connective(Connective::Implies, l, r) => holds(l, closes).and(fails(r, closes)),
-        Kind::Connective(Connective::Iff, l, r) => [l, r].map(|e| fails(e, closes).and(holds(e, closes))).into_iter().fold(Known::AtOnce, Known::and),
+        Kind::Connective(Connective::Iff, l, r) => {
+            [l, r].map(|e| fails(e, closes).and(holds(e, closes))).into_iter().fold(Known::AtOnce, Known::and)
+        }
         Kind::Connective(_, l, r) => fails(l, closes).and(fails(r, closes)),
         Kind::Scope(Scope::After, _, body) | Kind::Scope(Scope::Whenever, _, body) => fails(body, closes),
         Kind::Scope(Scope::Before, ..) => Known::Closed,
@@ -75,7 +77,9 @@ impl Known {
     /// One after the other.
     fn and(self, then: Known) -> Known {
         match (self, then) {
-            (Known::Within(a), Known::Within(b)) => Known::Within(Duration::from_nanos(a.nanos().saturating_add(b.nanos()))),
+            (Known::Within(a), Known::Within(b)) => {
+                Known::Within(Duration::from_nanos(a.nanos().saturating_add(b.nanos())))
+            }
             (a, b) => a.max(b),
         }
     }
@@ -122,7 +126,10 @@ mod tests {
         assert_eq!(costs("never p"), ("at once".into(), "constant".into()));
         let within = costs("whenever p, eventually within 2 s q");
         assert_eq!(within.0, "at the latest 2 s after what fails began");
-        assert_eq!(costs("eventually p").0, "never before the end: what has not happened may still happen (then it is `unmet`)");
+        assert_eq!(
+            costs("eventually p").0,
+            "only at the end: what has not happened may still happen (then it is `unmet`)"
+        );
         assert_eq!(costs("after_until p, q, eventually p").0, "at the latest when what it stands in is over");
         assert_eq!(costs("after p, never q").0, "at once");
     }

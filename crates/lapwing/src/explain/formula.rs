@@ -17,7 +17,7 @@ impl Printer<'_> {
     pub fn judged(&self, formula: &Expr) -> String {
         match formula.has_future() {
             true => self.print(formula),
-            false => format!("always {}", self.inner(formula)),
+            false => format!("always {}", self.print(formula)),
         }
     }
 
@@ -62,17 +62,19 @@ impl Printer<'_> {
             Kind::Age(topic) => format!("age({})", self.topic(*topic)),
             Kind::Frequency(topic, over) => format!("frequency({}, {over})", self.topic(*topic)),
             Kind::Fresh(topic) => format!("fresh({})", self.topic(*topic)),
-            Kind::Previously(of) => format!("previously {}", self.inner(of)),
-            Kind::Becomes(of) => format!("becomes {}", self.inner(of)),
-            Kind::Once(b, of) => format!("once{} {}", bound(b), self.inner(of)),
-            Kind::Historically(b, of) => format!("historically{} {}", bound(b), self.inner(of)),
+            Kind::Previously(of) => format!("previously {}", self.print(of)),
+            Kind::Becomes(of) => format!("becomes {}", self.print(of)),
+            Kind::Once(b, of) => format!("once{} {}", bound(b), self.print(of)),
+            Kind::Historically(b, of) => format!("historically{} {}", bound(b), self.print(of)),
             Kind::Since(b, l, r) => format!("{} since{} {}", self.inner(l), bound(b), self.inner(r)),
             Kind::Held(d, of) => format!("held for {d} {}", self.inner(of)),
-            Kind::Always(b, of) => format!("always{} {}", bound(b), self.inner(of)),
-            Kind::Eventually(b, of) => format!("eventually{} {}", bound(b), self.inner(of)),
-            Kind::Next(of) => format!("next {}", self.inner(of)),
+            Kind::Always(b, of) => format!("always{} {}", bound(b), self.print(of)),
+            Kind::Eventually(b, of) => format!("eventually{} {}", bound(b), self.print(of)),
+            Kind::Next(of) => format!("next {}", self.print(of)),
             Kind::Until(b, l, r) => format!("{} until{} {}", self.inner(l), bound(b), self.inner(r)),
-            Kind::Scope(scope, x, body) => format!("{} {}, {}", words::scope(*scope), self.print(x), self.body(*scope, body)),
+            Kind::Scope(scope, x, body) => {
+                format!("{} {}, {}", words::scope(*scope), self.print(x), self.body(*scope, body))
+            }
             Kind::AfterUntil(x, y, body) => {
                 format!("after_until {}, {}, {}", self.print(x), self.print(y), self.judged(body))
             }
@@ -94,9 +96,25 @@ impl Printer<'_> {
     fn inner(&self, e: &Expr) -> String {
         let alone = matches!(
             e.kind,
-            Kind::Num(_) | Kind::Bool(_) | Kind::Str(_) | Kind::Input(_) | Kind::Event(_) | Kind::EventField { .. } | Kind::Updated(_)
-                | Kind::Call(..) | Kind::Quantified { .. } | Kind::Lookback(..) | Kind::Delta(_) | Kind::Rate(_) | Kind::Window(..)
-                | Kind::Age(_) | Kind::Frequency(..) | Kind::Fresh(_) | Kind::Field(..) | Kind::Index(..) | Kind::Var(_)
+            Kind::Num(_)
+                | Kind::Bool(_)
+                | Kind::Str(_)
+                | Kind::Input(_)
+                | Kind::Event(_)
+                | Kind::EventField { .. }
+                | Kind::Updated(_)
+                | Kind::Call(..)
+                | Kind::Quantified { .. }
+                | Kind::Lookback(..)
+                | Kind::Delta(_)
+                | Kind::Rate(_)
+                | Kind::Window(..)
+                | Kind::Age(_)
+                | Kind::Frequency(..)
+                | Kind::Fresh(_)
+                | Kind::Field(..)
+                | Kind::Index(..)
+                | Kind::Var(_)
         );
         let text = self.print(e);
         if alone || self.name(e).is_some() { text } else { format!("({text})") }

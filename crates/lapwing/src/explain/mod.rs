@@ -12,6 +12,7 @@ use lapwing_diag::{Style, render};
 use lapwing_record::OpenError;
 use lapwing_stream::Type;
 
+use crate::account;
 use crate::session::Options;
 use crate::shape;
 use crate::spec::Spec;
@@ -62,7 +63,8 @@ pub fn explain(spec: &Spec, trace: Option<&Path>, options: &Options, style: Styl
     let Some(trace) = trace else { return Ok(explanation(spec, &spec.alone().spec, Vec::new())) };
     let recording = lapwing_record::open(trace, options.recording.clone())?;
     let checked = spec.against(&shape::of(&recording));
-    let findings = checked.beyond(&spec.findings().diagnostics).map(|d| render(&spec.findings().sources, d, style)).collect();
+    let findings =
+        checked.beyond(&spec.findings().diagnostics).map(|d| render(&spec.findings().sources, d, style)).collect();
     Ok(explanation(spec, &checked.spec, findings))
 }
 
@@ -128,7 +130,7 @@ fn explained(spec: &Spec, meaning: &checked::Spec, property: &checked::Property)
         reads: property.reads.iter().map(|r| read(meaning, r)).collect(),
         known: cost.0,
         memory: cost.1,
-        reactions: meaning.reactions.iter().filter(|r| r.property == property.name).flat_map(|r| r.actions.clone()).collect(),
+        reactions: account::reactions(meaning, &property.name),
         problem: property.problem.clone(),
     }
 }
@@ -167,9 +169,9 @@ fn source(meaning: &checked::Spec, input: &checked::Input) -> String {
 fn world(meaning: &checked::Spec, source: &ObjectSource) -> String {
     let name = |topic: usize| meaning.topics.get(topic).map_or("?", |t| t.name.as_str());
     match source {
-        ObjectSource::ModelStates { topic, .. } | ObjectSource::Odometry { topic, .. } | ObjectSource::Pose { topic, .. } => {
-            name(*topic).to_owned()
-        }
+        ObjectSource::ModelStates { topic, .. }
+        | ObjectSource::Odometry { topic, .. }
+        | ObjectSource::Pose { topic, .. } => name(*topic).to_owned(),
         ObjectSource::Tf { fixed, frame, .. } => format!("the transforms from {fixed} to {frame}"),
     }
 }

@@ -31,7 +31,8 @@ pub fn mermaid(spec: &Spec) -> Option<String> {
     let meaning = &spec.alone().spec;
     let mut out = String::from("stateDiagram-v2\n");
     for machine in &meaning.machines {
-        let id = |state: usize| format!("{}_{}", machine.name, machine.states.get(state).map_or("", |s| s.name.as_str()));
+        let id =
+            |state: usize| format!("{}_{}", machine.name, machine.states.get(state).map_or("", |s| s.name.as_str()));
         let _ = writeln!(out, "  state {} {{", machine.name);
         for (state, s) in machine.states.iter().enumerate() {
             let _ = writeln!(out, "    {} : {}", id(state), s.name);

@@ -46,7 +46,12 @@ fn words(printer: &Printer, e: &Expr) -> String {
         Kind::Eventually(bound, of) => format!("at some instant{} {}", within(bound), words(printer, of)),
         Kind::Next(of) => format!("at the next instant {}", words(printer, of)),
         Kind::Until(bound, l, r) => {
-            format!("{} at every instant until one{} at which {}, which must come", words(printer, l), within(bound), words(printer, r))
+            format!(
+                "{} at every instant until one{} at which {}, which must come",
+                words(printer, l),
+                within(bound),
+                words(printer, r)
+            )
         }
         Kind::Not(of) => format!("it is not so that {}", words(printer, of)),
         Kind::Connective(op, l, r) => {

@@ -13,7 +13,11 @@ const LISTED: usize = 5;
 /// Everything about one property that is not well. It begins with the line, the property and the values.
 pub(crate) fn explanation(report: &Report, property: &Property, paint: Paint) -> String {
     let origin = Origin::of(report);
-    let mut out = format!("{}\n{}", paint.alarm(&format!("Error at line {}:", property.line)), indented(&property.text));
+    let heading = match property.has_failed() {
+        true => paint.alarm(&format!("Error at line {}:", property.line)),
+        false => paint.doubt(&format!("Not judged, line {}:", property.line)),
+    };
+    let mut out = format!("{heading}\n{}", indented(&property.text));
     match property.violations.first() {
         Some(first) => out += &violated(property, first, origin, paint),
         None if property.verdict == Verdict::Unmet => out += &unmet(report, property, origin, paint),
@@ -25,7 +29,10 @@ pub(crate) fn explanation(report: &Report, property: &Property, paint: Paint) ->
     for hint in &property.hints {
         out += &format!("{} {}\n", paint.doubt("Look at:"), hint.replace('\n', "\n  "));
     }
-    out += &format!("Where: {}:{}:{} ({}), {}\n", property.file, property.line, property.column, property.name, report.trace);
+    out += &format!(
+        "Where: {}:{}:{} ({}), {}\n",
+        property.file, property.line, property.column, property.name, report.trace
+    );
     out
 }
 

@@ -25,7 +25,7 @@ pub(crate) fn report(report: &Report, style: Style) -> String {
     }
     out += &paint.heading(&heading(report));
     out.push('\n');
-    let width = report.properties.iter().map(|p| p.name.chars().count()).max().unwrap_or(0).min(40);
+    let width = report.properties.iter().map(|p| label(report, p).chars().count()).max().unwrap_or(0).min(40);
     for property in &report.properties {
         out += &verdict(report, property, width, paint);
     }
@@ -44,16 +44,18 @@ pub(crate) fn summary(tally: &Tally, style: Style) -> String {
     let counts = Tally::VERDICTS.iter().zip(tally.verdicts).filter(|(_, n)| *n > 0);
     let mut parts: Vec<String> = counts.map(|(v, n)| paint.verdict(*v, &format!("{n} {}", v.word()))).collect();
     if tally.vacuous > 0 {
-        parts.push(paint.doubt(&format!("{} of them without anything put to the test", tally.vacuous)));
+        parts.push(paint.doubt(&format!("{} vacuous", tally.vacuous)));
     }
     if tally.gaps > 0 {
         parts.push(paint.doubt(&format!("{} not read whole", count(tally.gaps, "recording", "recordings"))));
     }
     if parts.is_empty() {
-        parts.push(paint.doubt("nothing was checked: the specification has no property"));
+        let why =
+            if tally.traces == 0 { "there was no recording to check" } else { "the specification has no property" };
+        parts.push(paint.doubt(&format!("nothing was checked: {why}")));
     }
     let traces = match tally.traces {
-        1 => String::new(),
+        0 | 1 => String::new(),
         n => format!(" in {}", count(n, "recording", "recordings")),
     };
     format!("\n{}{traces}\n", parts.join(", "))
@@ -84,7 +86,12 @@ pub(crate) fn remarks(report: &Report) -> String {
 /// A word about a topic of which a part went unseen. Much of it is a warning, which the report has anyway.
 fn unseen(topic: &Topic) -> Option<String> {
     let some = topic.unseen > 0 && (topic.unseen as f64) <= UNSEEN * topic.messages as f64;
-    some.then(|| format!("{}: {} of {} messages came between two instants and went unseen", topic.name, topic.unseen, topic.messages))
+    some.then(|| {
+        format!(
+            "{}: {} of {} messages came between two instants and went unseen",
+            topic.name, topic.unseen, topic.messages
+        )
+    })
 }
 
 fn heading(report: &Report) -> String {
@@ -106,11 +113,18 @@ fn heading(report: &Report) -> String {
     format!("{}: {}", report.trace, parts.join(", "))
 }
 
+/// What a property is called beside others: of several specifications, with its file.
+fn label(report: &Report, property: &Property) -> String {
+    match report.specs.len() {
+        0 | 1 => property.name.clone(),
+        _ => format!("{}: {}", property.file, property.name),
+    }
+}
+
 /// The line of a property, and those that belong to it.
 fn verdict(report: &Report, property: &Property, width: usize, paint: Paint) -> String {
     let word = paint.verdict(property.verdict, &format!("{:<12}", property.verdict.word()));
-    let file = if report.specs.len() > 1 { format!("{}:", property.file) } else { String::new() };
-    let name = format!("{:<width$}", format!("{file}{}", property.name));
+    let name = format!("{:<width$}", label(report, property));
     let details = details(property, Origin::of(report));
     let mut out = format!("  {word}  {name}  {details}").trim_end().to_owned() + "\n";
     if !property.has_failed() {
@@ -136,7 +150,9 @@ fn details(property: &Property, origin: Origin) -> String {
     if property.verdict.is_success() {
         let open = if obligations.open > 0 { format!(", {} open", obligations.open) } else { String::new() };
         match obligations.met {
-            0 if property.scopes.is_empty() && obligations.open == 0 => parts.push("nothing was put to the test".to_owned()),
+            0 if property.scopes.is_empty() && obligations.open == 0 => {
+                parts.push("nothing was put to the test".to_owned())
+            }
             met => parts.push(format!("met {}{open}", count(met, "time", "times"))),
         }
     }

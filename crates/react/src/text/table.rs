@@ -12,10 +12,12 @@ pub(crate) fn table(names: &[Reading], rows: &[Row], origin: Origin) -> String {
         return String::new();
     }
     let head = std::iter::once("time".to_owned()).chain(names.iter().map(|n| n.name.replace('\n', " ")));
-    let body = rows.iter().map(|row| std::iter::once(origin.time(row.time)).chain(row.values.iter().map(cell)).collect());
+    let body =
+        rows.iter().map(|row| std::iter::once(origin.time(row.time)).chain(row.values.iter().map(cell)).collect());
     let lines: Vec<Vec<String>> = std::iter::once(head.collect()).chain(body).map(cut).collect();
     let columns = names.len() + 1;
-    let widths: Vec<usize> = (0..columns).map(|c| lines.iter().filter_map(|l| Some(l.get(c)?.chars().count())).max().unwrap_or(0)).collect();
+    let widths: Vec<usize> =
+        (0..columns).map(|c| lines.iter().filter_map(|l| Some(l.get(c)?.chars().count())).max().unwrap_or(0)).collect();
     lines.iter().map(|line| aligned(line, &widths)).collect()
 }
 

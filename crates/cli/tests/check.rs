@@ -1,0 +1,223 @@
+//! What `lapwing check` takes and how it goes about it.
+
+mod common;
+
+use common::{Folder, stop_sign, table};
+use serde_json::Value;
+
+/// Eight recordings; in the odd ones `x` goes too far.
+fn campaign() -> Folder {
+    let folder = Folder::new(&[("spec.rv", "never x > 5\nnever z > 5\n")]);
+    for n in 0..8 {
+        let rows: Vec<(f64, f64)> = (0..50).map(|k| (f64::from(k) * 0.1, f64::from(k * (n % 2)) * 0.2)).collect();
+        folder.write(&format!("runs/{n}.csv"), table("x", &rows).as_bytes());
+    }
+    folder
+}
+
+#[test]
+fn the_number_of_jobs_makes_no_difference() {
+    let folder = campaign();
+    for format in ["text", "json", "ndjson", "junit"] {
+        let run = |jobs| folder.lapwing(&format!("check spec.rv runs --format {format} --jobs {jobs}"));
+        let (one, two, many) = (run(1), run(2), run(8));
+        assert_eq!(one.stdout, two.stdout);
+        assert_eq!(one.stdout, many.stdout);
+        assert_eq!((one.stderr, one.code), (many.stderr, many.code));
+    }
+}
+
+#[test]
+fn shards_share_the_recordings() {
+    let folder = campaign();
+    let traces = |shard: &str| -> Vec<String> {
+        let run = folder.lapwing(&format!("check spec.rv runs/*.csv --format json --shard {shard}"));
+        let reports: Value = serde_json::from_str(&run.stdout).unwrap();
+        reports.as_array().unwrap().iter().map(|r| r["trace"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(traces("1/3"), ["runs/0.csv", "runs/3.csv", "runs/6.csv"]);
+    assert_eq!(traces("2/3"), ["runs/1.csv", "runs/4.csv", "runs/7.csv"]);
+    assert_eq!(traces("3/3"), ["runs/2.csv", "runs/5.csv"]);
+    assert!(traces("9/9").is_empty());
+}
+
+#[test]
+fn standard_input_is_read_as_ndjson() {
+    let folder = Folder::new(&[("spec.rv", "event kick\nfar: always (kick implies kick.power < 5)\nnever x > 2\n")]);
+    let input = concat!(
+        "{\"t\": 0, \"values\": {\"x\": 1}}\n",
+        "{\"t\": 1, \"event\": \"kick\", \"power\": 3}\n",
+        "{\"t\": 2, \"event\": \"kick\", \"power\": 7}\n",
+        "{\"t\": 3, \"values\": {\"x\": 3}}\n",
+    );
+    let run = folder.lapwing_with("check spec.rv - --format ndjson", input);
+    let lines: Vec<Value> = run.stdout.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    let violations: Vec<_> = lines
+        .iter()
+        .filter(|l| l["type"] == "violation")
+        .map(|l| (l["name"].as_str(), l["failed_ns"].as_i64()))
+        .collect();
+    assert_eq!(
+        violations,
+        [(Some("far"), Some(2_000_000_000)), (Some("line 3"), Some(3_000_000_000))],
+        "{}",
+        run.stderr
+    );
+    assert_eq!(run.code, 1);
+}
+
+#[test]
+fn reading_stops_at_the_first_violation_where_that_is_asked() {
+    let folder = campaign();
+    let run = folder.lapwing("check spec.rv runs/1.csv --until-first-violation --format json");
+    let reports: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(reports[0]["properties"][0]["obligations"]["failed"], 1);
+    assert_eq!(reports[0]["gaps"][0], "stopped at the first violation, as asked");
+    assert_eq!(run.code, 1);
+}
+
+#[test]
+fn quiet_leaves_out_what_is_well() {
+    let folder = Folder::new(&[("spec.rv", "never x > 5\nlimit = 2\n"), ("run.csv", &table("x", &[(0.0, 1.0)]))]);
+    let loud = folder.lapwing("check spec.rv run.csv");
+    assert!(loud.stdout.contains("1 holds") && loud.stderr.contains("unused-name"), "{loud:?}");
+    let quiet = folder.lapwing("check spec.rv run.csv --quiet");
+    assert_eq!((quiet.code, quiet.stdout.as_str(), quiet.stderr.as_str()), (0, "", ""));
+}
+
+#[test]
+fn names_that_are_almost_right_are_recognised() {
+    let folder = Folder::new(&[("robot.rv", "never x > 5\n"), ("run.csv", &table("x", &[(0.0, 1.0)]))]);
+    let help = |arguments: &str| folder.lapwing(arguments).stderr;
+    assert!(help("chek robot.rv run.csv").contains("'check'"));
+    assert!(help("check robt.rv run.csv").contains("did you mean `robot.rv`?"));
+    assert!(help("check robot.rv rum.csv").contains("did you mean `run.csv`?"));
+    folder.write("other.rv", b"never y > 5\n");
+    assert!(help("check robot.rv run.csv other.rv").contains("nothing declares it and no column has this name"));
+    folder.write("spec.txt", b"never y > 5\n");
+    assert!(help("check robot.rv spec.txt").contains("does not end in .rv"));
+    let run = folder.lapwing("check other.rv run.csv");
+    assert!(run.stdout.contains("inconclusive") && run.stdout.contains('y'), "{}", run.stdout);
+}
+
+#[test]
+fn what_a_rate_does_not_see_is_reported() {
+    let folder =
+        Folder::new(&[("spec.rv", "__rate__ = 5\ndecl v /odom nav_msgs/Odometry.twist.twist.linear.x\nnever v > 9\n")]);
+    folder.write("run.mcap", &stop_sign());
+    let run = folder.lapwing("check spec.rv run.mcap --format json");
+    let reports: Value = serde_json::from_str(&run.stdout).unwrap();
+    let topic = &reports[0]["topics"][0];
+    assert_eq!((topic["name"].as_str(), topic["type"].as_str()), (Some("/odom"), Some("nav_msgs/Odometry")));
+    assert!(topic["unseen"].as_u64().unwrap() * 2 > topic["messages"].as_u64().unwrap());
+    assert_eq!(reports[0]["warnings"][0]["code"], "sampling-unseen");
+}
+
+#[test]
+fn time_that_jumps_back_is_reported() {
+    let table = table("x", &[(0.0, 0.0), (5.0, 1.0), (1.0, 1.0), (2.0, 1.0)]);
+    let folder = Folder::new(&[("spec.rv", "never x > 5\n"), ("run.csv", &table)]);
+    let run = folder.lapwing("check spec.rv run.csv");
+    assert!(run.stdout.contains("time jumped back from 5 s to 1 s"), "{}", run.stdout);
+    assert!(run.stdout.contains("4 instants") && run.code == 0, "{}", run.stdout);
+}
+
+#[test]
+fn what_rests_on_a_lost_part_is_not_judged() {
+    let folder =
+        Folder::new(&[("spec.rv", "never x > 5\nnever x > 0.5\n"), ("run.csv", "time,x\n0,0\noops,1\n2,0\n3,1\n")]);
+    let run = folder.lapwing("check spec.rv run.csv --format json");
+    let reports: Value = serde_json::from_str(&run.stdout).unwrap();
+    let verdicts: Vec<_> = (0..2).map(|k| reports[0]["properties"][k]["verdict"].as_str().unwrap()).collect();
+    assert_eq!(verdicts, ["inconclusive", "violated"], "{reports:#}");
+    assert!(reports[0]["gaps"][0].as_str().unwrap().contains("run.csv, line 3"), "{reports:#}");
+    assert_eq!(run.code, 1);
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupt_ends_the_reading_and_what_is_known_is_reported() {
+    use std::io::{Read, Write};
+    use std::process::{Command, Stdio};
+
+    let folder = Folder::new(&[("spec.rv", "never x > 5\neventually x > 9\n")]);
+    let mut child = Command::new(env!("CARGO_BIN_EXE_lapwing"))
+        .args(["check", "spec.rv", "-", "--format", "ndjson"])
+        .current_dir(folder.path(""))
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut input = child.stdin.take().unwrap();
+    let mut output = child.stdout.take().unwrap();
+    writeln!(input, "{{\"t\": 0, \"values\": {{\"x\": 1}}}}").unwrap();
+    // The first line comes when the recording is open: by then interrupts are listened to.
+    let mut first = [0];
+    output.read_exact(&mut first).unwrap();
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    std::thread::sleep(std::time::Duration::from_millis(200));
+    // It is gone already, or goes now.
+    let _ = writeln!(input, "{{\"t\": 1, \"values\": {{\"x\": 2}}}}");
+    drop(input);
+    let mut rest = String::new();
+    output.read_to_string(&mut rest).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(3), "{rest}");
+    assert!(rest.contains("\"gaps\":[\"interrupted\"]") && rest.contains("\"verdict\":\"inconclusive\""), "{rest}");
+}
+
+#[test]
+#[cfg(unix)]
+fn nobody_has_to_read_it_all() {
+    let folder = campaign();
+    let command = format!("{} check spec.rv runs --format ndjson | head -n 1", env!("CARGO_BIN_EXE_lapwing"));
+    let run = std::process::Command::new("sh").args(["-c", &command]).current_dir(folder.path("")).output().unwrap();
+    assert_eq!(run.stdout.iter().filter(|b| **b == b'\n').count(), 1);
+    assert_eq!(String::from_utf8_lossy(&run.stderr).matches("panicked").count(), 0);
+}
+
+#[test]
+fn an_after_that_has_ceased_is_pointed_out() {
+    let folder = Folder::new(&[
+        ("spec.rv", "after x > 1, never y > 1\n"),
+        ("run.csv", "time,x,y\n0,0,0\n1,2,0\n2,0,0\n3,0,2\n"),
+    ]);
+    let run = folder.lapwing("check spec.rv run.csv");
+    assert!(run.stdout.contains("`while x > 1, never y > 1`"), "{}", run.stdout);
+    assert!(run.stdout.contains("`whenever held for 0.5 s (x > 1), never y > 1`"), "{}", run.stdout);
+    assert!(run.stdout.contains("warning[latched-after]"), "{}", run.stdout);
+}
+
+#[test]
+fn reactions_are_told_and_not_carried_out() {
+    let folder = Folder::new(&[
+        (
+            "spec.rv",
+            "slow: never x > 1\non violation of slow at most every 1 s {\n    publish /cmd_vel geometry_msgs/Twist { linear: { x: 0.0 } }\n}\n",
+        ),
+        ("run.csv", &table("x", &[(0.0, 2.0)])),
+    ]);
+    let run = folder.lapwing("check spec.rv run.csv");
+    assert!(run.stdout.contains("would publish /cmd_vel geometry_msgs/Twist, at most every 1 s"), "{}", run.stdout);
+}
+
+#[test]
+fn instances_and_world_signals_are_shown_by_the_names_of_the_specification() {
+    let folder =
+        Folder::new(&[("spec.rv", "apart: for each s in (first_sign, second_sign): never car.distance.s < 1.01\n")]);
+    folder.write("run.mcap", &stop_sign());
+    let run = folder.lapwing("check spec.rv run.mcap --format json");
+    let reports: Value = serde_json::from_str(&run.stdout).unwrap();
+    let second = &reports[0]["properties"][1];
+    assert_eq!(second["name"], "apart[second_sign]");
+    let values = second["violations"][0]["values"].as_object().unwrap();
+    assert_eq!(values.keys().collect::<Vec<_>>(), ["car.distance.second_sign"]);
+    assert!(values["car.distance.second_sign"].as_f64().unwrap() < 1.01);
+}
+
+#[test]
+fn colours_are_for_those_who_want_them() {
+    let folder = campaign();
+    assert!(!folder.lapwing("check spec.rv runs/1.csv").stdout.contains('\u{1b}'));
+    assert!(folder.lapwing("check spec.rv runs/1.csv --color always").stdout.contains('\u{1b}'));
+}

@@ -1,0 +1,166 @@
+//! The formats of reports, each read back.
+
+mod common;
+
+use common::{Folder, stop_sign, table};
+use expect_test::expect;
+use quick_xml::events::Event;
+use serde_json::{Value, json};
+
+const SPEC: &str = "never robot.velocity > 2.0  # too fast\nslow: eventually within 1 s robot.velocity < 1\n";
+
+fn folder() -> Folder {
+    let rows = [(0.0, 1.5), (0.5, 2.25), (1.0, 2.5), (1.5, 1.0), (2.0, 3.0)];
+    Folder::new(&[("spec.rv", SPEC), ("run.csv", &table("robot.velocity", &rows))])
+}
+
+#[test]
+fn text() {
+    let run = folder().lapwing("check spec.rv run.csv");
+    expect![[r#"
+        Error at line 1:
+          never robot.velocity > 2.0
+        Failing state:
+          robot.velocity: 2.25
+        Failed at 0.5 s.
+        Before it failed:
+          time  robot.velocity
+           0 s             1.5
+        3 failures in 2 episodes; 2 met.
+          again at 2 s (1 failure)
+        Where: spec.rv:1:1 (line 1), run.csv
+
+        Error at line 2:
+          slow: eventually within 1 s robot.velocity < 1
+        Failing state:
+          robot.velocity: 2.5
+        Failed at 1 s; what failed began at 0 s, 1 s earlier.
+        Before it failed:
+           time  robot.velocity
+            0 s             1.5
+          0.5 s            2.25
+            1 s             2.5
+        1 failure; 0 met.
+        Where: spec.rv:2:1 (slow), run.csv
+
+        run.csv: 2 s, 5 instants
+          violated      line 1  3 failures in 2 episodes, first at 0.5 s
+          violated      slow    1 failure in 1 episode, first at 1 s
+
+        2 violated
+    "#]]
+    .assert_eq(&run.stdout);
+    assert_eq!(run.code, 1);
+}
+
+#[test]
+fn json() {
+    let run = folder().lapwing("check spec.rv run.csv --format json");
+    let reports: Value = serde_json::from_str(&run.stdout).unwrap();
+    let episode = |began: i64, failed: i64, until: i64, count: u64, v: f64, at_beginning: f64| {
+        json!({
+            "began_ns": began, "failed_ns": failed, "until_ns": until, "count": count,
+            "values": {"robot.velocity": v}, "began_values": {"robot.velocity": at_beginning}
+        })
+    };
+    let expected = json!([{
+        "lapwing": 1, "spec": ["spec.rv"], "trace": "run.csv",
+        "start_ns": 0, "end_ns": 2_000_000_000_i64, "instants": 5, "topics": [],
+        "properties": [
+            {
+                "name": "line 1", "file": "spec.rv", "line": 1, "text": "never robot.velocity > 2.0",
+                "verdict": "violated", "cause": null, "vacuous": false,
+                "obligations": {"met": 2, "failed": 3, "open": 0}, "margin": null,
+                "violations": [
+                    episode(500_000_000, 500_000_000, 1_000_000_000, 2, 2.25, 2.25),
+                    episode(2_000_000_000, 2_000_000_000, 2_000_000_000, 1, 3.0, 3.0),
+                ],
+                "nans": 0
+            },
+            {
+                "name": "slow", "file": "spec.rv", "line": 2, "text": "slow: eventually within 1 s robot.velocity < 1",
+                "verdict": "violated", "cause": null, "vacuous": false,
+                "obligations": {"met": 0, "failed": 1, "open": 0}, "margin": null,
+                "violations": [episode(0, 1_000_000_000, 1_000_000_000, 1, 2.5, 1.5)],
+                "nans": 0
+            }
+        ],
+        "warnings": [], "gaps": []
+    }]);
+    assert_eq!(reports, expected, "{reports:#}");
+    let keys = reports[0]["properties"][0].as_object().unwrap().keys().take(9).cloned().collect::<Vec<_>>();
+    assert_eq!(keys, ["name", "file", "line", "text", "verdict", "cause", "vacuous", "obligations", "margin"]);
+}
+
+#[test]
+fn several_recordings_are_one_array() {
+    let folder = folder();
+    folder.write("b.csv", folder.read("run.csv").as_bytes());
+    let run = folder.lapwing("check spec.rv run.csv b.csv --format json");
+    let reports: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!((&reports[0]["trace"], &reports[1]["trace"]), (&json!("run.csv"), &json!("b.csv")));
+}
+
+#[test]
+fn several_specifications_are_one_object_with_a_clock_each() {
+    let folder = folder();
+    folder.write("rate.rv", b"__rate__ = 1\nnever robot.velocity > 2.0\n");
+    let run = folder.lapwing("check spec.rv rate.rv run.csv --format json");
+    let reports: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(reports.as_array().unwrap().len(), 1);
+    assert_eq!(reports[0]["spec"], json!(["spec.rv", "rate.rv"]));
+    let properties = reports[0]["properties"].as_array().unwrap();
+    let told: Vec<_> = properties
+        .iter()
+        .map(|p| (p["file"].as_str().unwrap(), p["obligations"]["failed"].as_u64().unwrap()))
+        .collect();
+    assert_eq!(told, [("spec.rv", 3), ("spec.rv", 1), ("rate.rv", 2)]);
+}
+
+#[test]
+fn ndjson_tells_things_as_they_happen() {
+    let run = folder().lapwing("check spec.rv run.csv --format ndjson");
+    let lines: Vec<Value> = run.stdout.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    let told: Vec<_> = lines.iter().map(|l| (l["type"].as_str().unwrap(), l["name"].as_str().unwrap_or(""))).collect();
+    let violations = [("violation", "line 1"), ("violation", "slow"), ("violation", "line 1")];
+    assert_eq!(told[0], ("start", ""));
+    assert_eq!(told[1..4], violations);
+    assert_eq!(told[4..], [("verdict", "line 1"), ("verdict", "slow"), ("end", "")]);
+    assert!(lines.iter().all(|l| l["trace"] == "run.csv"));
+    assert_eq!(lines[2]["failed_ns"], 1_000_000_000);
+    assert_eq!(lines[4]["violations"].as_array().unwrap().len(), 2);
+    assert_eq!(lines[6]["instants"], 5);
+}
+
+#[test]
+fn junit_has_a_suite_per_recording_and_a_case_per_property() {
+    let folder =
+        Folder::new(&[("spec.rv", "never car.velocity > 1\nnever car.velocity > 9\nnever ghost.velocity > 1\n")]);
+    folder.write("run.mcap", &stop_sign());
+    let run = folder.lapwing("check spec.rv run.mcap --format junit");
+    let mut reader = quick_xml::Reader::from_str(&run.stdout);
+    let mut found = Vec::new();
+    loop {
+        match reader.read_event().unwrap() {
+            Event::Start(element) => {
+                let name = element.name().as_ref().to_owned();
+                let of = element.try_get_attribute("name").unwrap().map(|a| a.value.into_owned());
+                found.push((name, of.unwrap_or_default()));
+            }
+            Event::Eof => break,
+            _ => {}
+        }
+    }
+    let found: Vec<_> = found.iter().map(|(a, b)| (a.as_str(), b.as_str())).collect();
+    let expected = [
+        ("testsuites", "lapwing"),
+        ("testsuite", "run.mcap"),
+        ("testcase", "line 1"),
+        ("failure", ""),
+        ("testcase", "line 2"),
+        ("system-out", ""),
+        ("testcase", "line 3"),
+        ("error", ""),
+    ];
+    assert_eq!(found[..8], expected, "{}", run.stdout);
+}
