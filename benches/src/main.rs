@@ -76,10 +76,9 @@ fn program(formula: &str) -> Program {
     let checked = lapwing_check::check(&sources, &loaded, Some(&trace));
     assert!(!checked.has_errors(), "{formula}: {:?}", checked.diagnostics);
     let mut program = lapwing_check::compile::compile(&checked.spec);
-    // Cells come as p, q, r, s; the program wants only the columns that it reads, in its own order.
-    let wanted = &checked.spec.columns;
-    program.columns = ["p", "q", "r", "s"]
-        .map(|name| wanted.iter().position(|c| c == name).map_or(Vec::new(), |i| program.columns[i].clone()))
-        .to_vec();
+    // Cells come as p, q, r, s; the program numbers the columns that it reads in its own order.
+    for (cell, _) in &mut program.columns {
+        *cell = ["p", "q", "r", "s"].iter().position(|name| *name == checked.spec.columns[*cell]).unwrap_or_default();
+    }
     program
 }

@@ -30,16 +30,21 @@ enum Chore {
 
 fn main() -> ExitCode {
     let Chore::Agree { random, seed, show } = Arguments::parse().chore;
-    let mut differences = 0;
+    let (mut differences, mut refused) = (0, 0);
     for seed in seed..seed.saturating_add(random) {
-        if let Told::Differed(how) = run(seed) {
-            println!("{how}\n");
-            differences += 1;
-            if differences == show {
-                break;
+        match run(seed) {
+            Told::Agreed => {}
+            Told::Refused => refused += 1,
+            Told::Differed(how) => {
+                println!("{how}\n");
+                differences += 1;
             }
         }
+        if differences == show {
+            break;
+        }
     }
-    println!("{random} cases from seed {seed} on: {differences} differences{}", if differences == show { " shown, then stopped" } else { "" });
+    let stopped = if differences == show { ", then stopped" } else { "" };
+    println!("{random} cases from seed {seed} on: {differences} differences{stopped}; {refused} refused by the checker");
     if differences == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

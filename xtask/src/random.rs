@@ -2,7 +2,7 @@
 
 use lapwing_check::checked::Spec;
 use lapwing_check::{check, load};
-use lapwing_diag::{SourceMap, Style, render};
+use lapwing_diag::{Code, Severity, SourceMap, Style, render};
 use lapwing_reference::generate::{Case, generate, shrink};
 
 use crate::agree::agree;
@@ -14,7 +14,9 @@ const SIZE: usize = 24;
 pub enum Told {
     /// Both say the same.
     Agreed,
-    /// They differ, or the generated text does not check: what is wrong, made small, to be read.
+    /// The checker refuses the text for its dimensions: the generator knows nothing of them.
+    Refused,
+    /// They differ, or the generated text does not check for another reason: what is wrong, made small, to be read.
     Differed(String),
 }
 
@@ -23,12 +25,14 @@ pub fn run(seed: u64) -> Told {
     let case = generate(seed, SIZE);
     match compare(&case) {
         Ok(()) => Told::Agreed,
+        Err(Failure::Dimensions) => Told::Refused,
         Err(Failure::Check(why)) => Told::Differed(format!("seed {seed}: the text does not check\n{}\n{why}", case.text())),
         Err(Failure::Differ(_)) => Told::Differed(smallest(seed, &case)),
     }
 }
 
 enum Failure {
+    Dimensions,
     Check(String),
     Differ(String),
 }
@@ -58,6 +62,10 @@ fn checked(case: &Case) -> Result<Spec, Failure> {
     let loaded = load(&mut sources, parsed.file, &|_| None);
     let checked = check(&sources, &loaded, Some(&case.shape));
     diagnostics.extend(checked.diagnostics.iter().cloned());
+    let mut errors = diagnostics.iter().filter(|d| d.severity == Severity::Error).peekable();
+    if errors.peek().is_some() && errors.all(|d| d.code == Code::DimensionMismatch) {
+        return Err(Failure::Dimensions);
+    }
     if lapwing_diag::has_errors(&diagnostics) {
         let shown: String = diagnostics.iter().map(|d| render(&sources, d, Style::Plain)).collect();
         return Err(Failure::Check(shown));

@@ -79,15 +79,15 @@ impl Plan<'_> {
     fn one(&self, number: usize, sink: &Sink, bars: &MultiProgress) -> Tally {
         let trace = &self.traces[number];
         let bar = progress::bar(bars, trace);
-        let mut witness = Witness { trace: &trace.to_string_lossy(), number, sink, format: self.format, bar: &bar };
+        let mut onlooker = Onlooker { trace: &trace.to_string_lossy(), number, sink, format: self.format, bar: &bar };
         let report = match Session::open(self.specs, trace, &self.options) {
             Ok(session) => {
                 if !self.quiet {
                     session.findings(self.styles.1).into_iter().for_each(|text| sink.tell(number, Chunk::Note(text)));
                 }
-                session.run(&mut witness)
+                session.run(&mut onlooker)
             }
-            Err(why) => lapwing::unopened(self.specs, trace, &why, &mut witness),
+            Err(why) => lapwing::unopened(self.specs, trace, &why, &mut onlooker),
         };
         bar.finish_and_clear();
         if !self.is_left_out(&report) {
@@ -105,7 +105,7 @@ impl Plan<'_> {
 }
 
 /// Looks on while a recording is read.
-struct Witness<'w> {
+struct Onlooker<'w> {
     trace: &'w str,
     number: usize,
     sink: &'w Sink,
@@ -113,7 +113,7 @@ struct Witness<'w> {
     bar: &'w ProgressBar,
 }
 
-impl Watch for Witness<'_> {
+impl Watch for Onlooker<'_> {
     fn event(&mut self, event: Event<'_>) {
         if self.format == Format::Ndjson {
             self.sink.tell(self.number, Chunk::Part(line(self.trace, event)));

@@ -77,7 +77,8 @@ fn text(spec: &Spec, explanation: &Explanation) -> String {
 }
 
 fn one(property: &Explained) -> String {
-    let mut out = format!("\n{} (line {})\n", property.name, property.line);
+    let line = if property.name.starts_with("line ") { String::new() } else { format!(" (line {})", property.line) };
+    let mut out = format!("\n{}{line}\n", property.name);
     property.text.lines().for_each(|line| out += &format!("    {line}\n"));
     let mut row = |what: &str, text: &str| {
         if !text.is_empty() {

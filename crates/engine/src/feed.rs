@@ -306,8 +306,10 @@ impl Piece {
                 self.make_instances(program);
             }
             What::Row { cells } => {
-                for (slots, value) in program.columns.iter().zip(cells) {
-                    slots.iter().for_each(|&slot| self.inputs.set(slot, value));
+                for &(cell, slot) in &program.columns {
+                    if let Some(value) = cells.get(cell) {
+                        self.inputs.set(slot, value);
+                    }
                 }
             }
             What::Event { event, values } => {

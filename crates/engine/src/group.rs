@@ -9,7 +9,7 @@ use crate::future::{Decided, Graph, Moment, Segment, step_segments};
 use crate::inputs::Inputs;
 use crate::node::{Notes, View};
 use crate::outcome::{Observer, Output};
-use crate::past::{self, Memory};
+use crate::past::{self, Memory, Registers, Scene};
 use crate::program::{Bound, Group, Judged, Look, LookKind, Positions};
 use crate::runs::Runs;
 use crate::times::{Pos, Times};
@@ -22,9 +22,8 @@ pub(crate) struct Walk {
     pub started: bool,
     /// For how many instants each read has been defined.
     waited: Vec<usize>,
-    /// What the code computed at the latest instant: truth values, and other values.
-    bits: Vec<bool>,
-    values: Vec<Value>,
+    /// What the code computed at the latest instant.
+    registers: Registers,
     memories: Vec<Memory>,
     pub notes: Notes,
     /// For each comparison of an age: the message that its flips count from, and the next flip.
@@ -35,13 +34,9 @@ impl Walk {
     /// `inputs` are those before anything has come.
     pub fn new(at: &Positions, inputs: &Inputs, counters: usize) -> Walk {
         let mut walk = Walk::blank(at, counters);
-        let Walk { bits, values, memories, notes, .. } = &mut walk;
-        for (i, (op, memory)) in at.ops.iter().zip(memories).enumerate() {
-            let (bits, rest) = bits.split_at_mut(i);
-            let (values, value) = values.split_at_mut(i);
-            let view = View { at, inputs, bits, values, params: &[], now: 0, notes, seen: &inputs.versions };
-            past::prime(op, memory, &view, &mut rest[0], &mut value[0]);
-        }
+        let Walk { registers, memories, notes, .. } = &mut walk;
+        let scene = Scene { at, inputs, params: &[], now: 0, notes, seen: &inputs.versions };
+        past::prime(&scene, memories, registers);
         walk.notes = Notes::new(counters);
         walk
     }
@@ -50,8 +45,7 @@ impl Walk {
         Walk {
             started: false,
             waited: alloc::vec![0; at.reads.len()],
-            bits: alloc::vec![false; at.ops.len()],
-            values: alloc::vec![Value::Missing; at.ops.len()],
+            registers: Registers::new(at.ops.len()),
             memories: at.ops.iter().map(Memory::new).collect(),
             notes: Notes::new(counters),
             flips: alloc::vec![(None, 0); at.ages.len()],
@@ -62,7 +56,7 @@ impl Walk {
     #[inline]
     pub fn enter(&mut self, at: &Positions, inputs: &Inputs, now: i64, params: &[Option<Value>], seen: &[u64]) -> bool {
         if let Some(alphabet) = &at.alphabet {
-            let view = View { at, inputs, bits: &[], values: &[], params, now, notes: &self.notes, seen };
+            let view = self.view(at, inputs, now, params, seen);
             if !alphabet.iter().any(|&e| view.occurrence(e).is_some()) {
                 return false;
             }
@@ -70,13 +64,8 @@ impl Walk {
         } else if !self.started {
             self.started = self.is_ready(at, inputs);
         }
-        let Walk { bits, values, memories, notes, started, .. } = self;
-        for (i, (op, memory)) in at.ops.iter().zip(memories).enumerate() {
-            let (bits, rest) = bits.split_at_mut(i);
-            let (values, value) = values.split_at_mut(i);
-            let view = View { at, inputs, bits, values, params, now, notes, seen };
-            past::step(op, memory, &view, *started, &mut rest[0], &mut value[0]);
-        }
+        let Walk { registers, memories, notes, started, .. } = self;
+        past::run(&Scene { at, inputs, params, now, notes, seen }, memories, *started, registers);
         if !self.started {
             self.notes.nans.iter().for_each(|n| n.set(0));
         }
@@ -106,7 +95,7 @@ impl Walk {
         params: &'a [Option<Value>],
         seen: &'a [u64],
     ) -> View<'a> {
-        View { at, inputs, bits: &self.bits, values: &self.values, params, now, notes: &self.notes, seen }
+        Scene { at, inputs, params, now, notes: &self.notes, seen }.view(&self.registers)
     }
 
     /// The next time at which a comparison of an age changes its value.

@@ -77,8 +77,9 @@ impl Inputs {
     }
 
     /// Stores a value; nothing is stored for a missing one.
+    #[inline]
     pub(crate) fn set(&mut self, slot: usize, value: &Value) {
-        if *value == Value::Missing {
+        if matches!(value, Value::Missing) {
             return;
         }
         if let (Some(to), Some(version)) = (self.slots.get_mut(slot), self.versions.get_mut(slot)) {
@@ -90,7 +91,7 @@ impl Inputs {
     /// Whether a signal has a value, a topic a message.
     pub(crate) fn defined(&self, read: Read) -> bool {
         match read {
-            Read::Slot(slot) => self.slots.get(slot).is_some_and(|v| *v != Value::Missing),
+            Read::Slot(slot) => self.slots.get(slot).is_some_and(|v| !matches!(v, Value::Missing)),
             Read::Topic(topic) => self.topics.get(topic).is_some_and(|t| t.last.is_some()),
         }
     }

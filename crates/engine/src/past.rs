@@ -6,8 +6,9 @@ use alloc::vec::Vec;
 
 use lapwing_stream::Value;
 
-use crate::node::View;
-use crate::program::{Bound, NodeId, Op, Window};
+use crate::inputs::Inputs;
+use crate::node::{Notes, View};
+use crate::program::{Bit, Bound, NodeId, Op, Positions, Window};
 
 /// The memory of one operator.
 #[derive(Clone, Debug)]
@@ -45,62 +46,120 @@ impl Memory {
     }
 }
 
-/// Before the first instant a signal has its default: what looks back further than there are instants finds that.
-pub(crate) fn prime(op: &Op, memory: &mut Memory, view: &View<'_>, bit: &mut bool, value: &mut Value) {
-    match (op, &mut *memory) {
-        (Op::Lookback(node, _), Memory::Ring { values, .. }) => values.iter_mut().for_each(|v| view.value(*node).store(v)),
-        (Op::Delta(node) | Op::Rate(node), Memory::Before { value, .. }) => *value = number(view, *node),
-        _ => {}
+/// The registers that the code fills: of each operator a truth value or another value.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Registers {
+    pub bits: Vec<bool>,
+    pub values: Vec<Value>,
+}
+
+impl Registers {
+    pub fn new(ops: usize) -> Registers {
+        Registers { bits: alloc::vec![false; ops], values: alloc::vec![Value::Missing; ops] }
     }
-    step(op, memory, view, false, bit, value);
-    if let Memory::Before { stamp, .. } = memory {
-        *stamp = None;
+
+    #[inline]
+    fn bit(&self, bit: Bit) -> bool {
+        self.bits[bit.register()] != bit.is_negated()
     }
 }
 
-/// One step of the code: the operator's register, a truth value or another, gets its value at this position, and its memory takes
-/// the position in.
+/// What the code sees besides its registers.
+#[derive(Clone, Copy)]
+pub(crate) struct Scene<'a> {
+    pub at: &'a Positions,
+    pub inputs: &'a Inputs,
+    pub params: &'a [Option<Value>],
+    pub now: i64,
+    pub notes: &'a Notes,
+    pub seen: &'a [u64],
+}
+
+impl<'a> Scene<'a> {
+    pub fn view(&self, registers: &'a Registers) -> View<'a> {
+        let Scene { at, inputs, params, now, notes, seen } = *self;
+        View { at, inputs, bits: &registers.bits, values: &registers.values, params, now, notes, seen }
+    }
+}
+
+/// Before the first instant a signal has its default: what looks back further than there are instants finds that.
+pub(crate) fn prime(scene: &Scene<'_>, memories: &mut [Memory], registers: &mut Registers) {
+    for (i, op) in scene.at.ops.iter().enumerate() {
+        let view = scene.view(registers);
+        match (op, &mut memories[i]) {
+            (Op::Lookback(node, _), Memory::Ring { values, .. }) => values.iter_mut().for_each(|v| view.value(*node).store(v)),
+            (Op::Delta(node) | Op::Rate(node), Memory::Before { value, .. }) => *value = number(&view, *node),
+            _ => {}
+        }
+        step(i, op, &mut memories[i], scene, false, registers);
+        if let Memory::Before { stamp, .. } = &mut memories[i] {
+            *stamp = None;
+        }
+    }
+}
+
+/// Runs the code at a position: every operator's register gets its value, and its memory takes the position in.
 ///
 /// `running` is false before position 0, where the instants are looked at only so that `@`, `delta` and `rate` can look back to
 /// them: the past of a property begins at its position 0, so the other operators see nothing there and remember nothing.
 #[inline]
-pub(crate) fn step(op: &Op, memory: &mut Memory, view: &View<'_>, running: bool, bit: &mut bool, value: &mut Value) {
-    match (op, memory) {
-        (Op::Slot { slot, truth }, _) => *bit = view.slot(*slot, *truth),
-        (Op::Holds(node), _) => *bit = view.holds(*node),
-        (Op::And(a, b), _) => *bit = view.bool(*a) & view.bool(*b),
-        (Op::Iff(a, b), _) => *bit = view.bool(*a) == view.bool(*b),
-        (Op::Lookback(..) | Op::Delta(_) | Op::Rate(_), memory) => look_back(op, memory, view, value),
-        (Op::Window(..) | Op::Count(..), memory) => over_window(op, memory, view, running, value),
-        _ if !running => *bit = false,
-        (Op::Previously(of), Memory::Last(last)) => *bit = core::mem::replace(last, view.bool(*of)),
+pub(crate) fn run(scene: &Scene<'_>, memories: &mut [Memory], running: bool, registers: &mut Registers) {
+    for (i, (op, memory)) in scene.at.ops.iter().zip(memories).enumerate() {
+        step(i, op, memory, scene, running, registers);
+    }
+}
+
+// PERF: what only reads bits does so without building a view; that is nearly all of the code of a logical formula.
+#[inline]
+fn step(i: usize, op: &Op, memory: &mut Memory, scene: &Scene<'_>, running: bool, registers: &mut Registers) {
+    let now = scene.now;
+    let bit = match (op, memory) {
+        (Op::Slot { slot, truth }, _) => scene.view(registers).slot(*slot, *truth),
+        (Op::And(a, b), _) => registers.bit(*a) & registers.bit(*b),
+        (Op::Iff(a, b), _) => registers.bit(*a) == registers.bit(*b),
+        (Op::Holds(node), _) => scene.view(registers).holds(*node),
+        (Op::Lookback(..) | Op::Delta(_) | Op::Rate(_) | Op::Window(..) | Op::Count(..), memory) => {
+            return value(i, op, memory, scene, running, registers);
+        }
+        _ if !running => false,
+        (Op::Previously(of), Memory::Last(last)) => core::mem::replace(last, registers.bit(*of)),
         (Op::Becomes(of), Memory::Last(last)) => {
-            let now = view.bool(*of);
-            let before = core::mem::replace(last, now);
-            *bit = now && !before;
+            let holds = registers.bit(*of);
+            let before = core::mem::replace(last, holds);
+            holds && !before
         }
-        (Op::Once(bound, of), Memory::Held { pending, reached }) => {
-            *bit = once(bound, view.bool(*of), view.now, pending, reached);
-        }
+        (Op::Once(bound, of), Memory::Held { pending, reached }) => once(bound, registers.bit(*of), now, pending, reached),
         (Op::Since(bound, left, right), Memory::Held { pending, reached }) => {
-            if !view.bool(*left) {
+            if !registers.bit(*left) {
                 pending.clear();
                 *reached = None;
             }
-            *bit = once(bound, view.bool(*right), view.now, pending, reached);
+            once(bound, registers.bit(*right), now, pending, reached)
         }
         (Op::Held(duration, of), Memory::Since { since, broken }) => {
-            let from = view.now.saturating_sub(duration.nanos());
-            if view.bool(*of) {
-                since.get_or_insert(view.now);
+            let from = now.saturating_sub(duration.nanos());
+            if registers.bit(*of) {
+                since.get_or_insert(now);
             } else {
-                (*since, *broken) = (None, Some(view.now));
+                (*since, *broken) = (None, Some(now));
             }
             // A position with the very stamp at which the window begins lies inside it.
-            *bit = since.is_some_and(|s| s <= from) && broken.is_none_or(|b| b < from);
+            since.is_some_and(|s| s <= from) && broken.is_none_or(|b| b < from)
         }
-        _ => *bit = false,
+        _ => false,
+    };
+    registers.bits[i] = bit;
+}
+
+/// An operator whose result is no truth value.
+fn value(i: usize, op: &Op, memory: &mut Memory, scene: &Scene<'_>, running: bool, registers: &mut Registers) {
+    let mut out = core::mem::take(&mut registers.values[i]);
+    let view = scene.view(registers);
+    match op {
+        Op::Window(..) | Op::Count(..) => over_window(op, memory, &view, running, &mut out),
+        _ => look_back(op, memory, &view, &mut out),
     }
+    registers.values[i] = out;
 }
 
 /// A number, where there is one.

@@ -26,8 +26,8 @@ pub struct Program {
     pub slots: Vec<Slot>,
     /// The topics.
     pub topics: Vec<Topic>,
-    /// For every wanted column, the slots that it fills.
-    pub columns: Vec<Vec<usize>>,
+    /// Which cell of a row fills which slot.
+    pub columns: Vec<(usize, usize)>,
     /// The objects of the ground truth.
     pub objects: Vec<Object>,
     /// The events.

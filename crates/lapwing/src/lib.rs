@@ -15,9 +15,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The way of a recording through a session: its topics and their types make a [`shape`](mod@shape) that every specification is checked
-//! against once more; what is then wanted of it is read; each item goes to a [`run`](mod@run) for each specification, which feeds the
-//! engine, and whose [`witness`](mod@witness) keeps what a report will need; at the end an [`account`](mod@account) of each property
+//! The way of a recording through a session: its topics and their types make a `shape` that every specification is checked
+//! against once more; what is then wanted of it is read; each item goes to a `run` for each specification, which feeds the
+//! engine, and whose `witness` keeps what a report will need; at the end an `account` of each property
 //! is drawn up.
 
 #![forbid(unsafe_code)]

@@ -91,14 +91,15 @@ fn below(e: &Expr, visit: &mut impl FnMut(&Expr)) {
     e.children().into_iter().for_each(|c| below(c, visit));
 }
 
-fn columns(spec: &checked::Spec) -> Vec<Vec<usize>> {
-    let mut columns = vec![Vec::new(); spec.columns.len()];
-    for (slot, input) in spec.inputs.iter().enumerate() {
-        if let InputSource::Column(column) = input.source {
-            columns[column].push(slot);
-        }
-    }
-    columns
+/// Which cell of a row fills which slot.
+fn columns(spec: &checked::Spec) -> Vec<(usize, usize)> {
+    let slots = spec.inputs.iter().enumerate();
+    slots
+        .filter_map(|(slot, input)| match input.source {
+            InputSource::Column(column) => Some((column, slot)),
+            _ => None,
+        })
+        .collect()
 }
 
 fn object(spec: &checked::Spec, number: usize, object: &checked::Object) -> engine::Object {

@@ -50,7 +50,7 @@ impl Printer<'_> {
                 let margin = margin.as_ref().map(|m| format!("{{{}}}", self.print(m))).unwrap_or_default();
                 format!("{} {}{margin} {}", self.operand(left), compare(*op), self.operand(right))
             }
-            Kind::Connective(op, l, r) => format!("{} {} {}", self.inner(l), connective(*op), self.inner(r)),
+            Kind::Connective(op, l, r) => format!("{} {} {}", self.part(l), connective(*op), self.part(r)),
             Kind::Call(func, args) => format!("{}({})", function(*func), self.list(args)),
             Kind::Quantified { all, array, body } => {
                 format!("{}({}, v => {})", if *all { "all" } else { "any" }, self.print(array), self.print(body))
@@ -118,6 +118,11 @@ impl Printer<'_> {
         );
         let text = self.print(e);
         if alone || self.name(e).is_some() { text } else { format!("({text})") }
+    }
+
+    /// A part of a connective, which binds less tightly than comparisons.
+    fn part(&self, e: &Expr) -> String {
+        if matches!(e.kind, Kind::Compare { .. }) { self.print(e) } else { self.inner(e) }
     }
 
     /// An operand of a comparison, which binds less tightly than sums.

@@ -45,10 +45,9 @@ fn violated(property: &Property, first: &Violation, origin: Origin, paint: Paint
         out += &format!("{}\n{}", paint.heading("Failing state:"), readings(values));
     }
     out += &format!("{}\n", when(first, origin));
-    if let Some(values) = first.values.as_ref()
-        && !first.history.is_empty()
-    {
-        out += &format!("{}\n{}", paint.heading("Before it failed:"), table(values, &first.history, origin));
+    let history = table(first.values.as_deref().unwrap_or_default(), &first.history, origin);
+    if !history.is_empty() {
+        out += &format!("{}\n{history}", paint.heading("Before it failed:"));
     }
     out + &how_often(property, origin)
 }
