@@ -21,6 +21,19 @@ pub struct Said {
     pub counts: (usize, usize, usize),
     /// `(failed, began, until, count)`
     pub episodes: Vec<(Time, Time, Time, usize)>,
+    /// Its margin, to the precision to which both compute it.
+    pub margin: Option<Margin>,
+}
+
+/// A margin; equal to another that differs by no more than rounding does.
+#[derive(Clone, Copy, Debug)]
+pub struct Margin(pub f64);
+
+impl PartialEq for Margin {
+    fn eq(&self, other: &Margin) -> bool {
+        let (a, b) = (self.0, other.0);
+        a == b || (a.is_finite() && b.is_finite() && (a - b).abs() <= 1e-12 * a.abs().max(b.abs()))
+    }
 }
 
 /// How the engine is driven.
@@ -61,10 +74,14 @@ pub fn agree(spec: &checked::Spec, trace: &Trace) -> Result<(), Disagreement> {
     let mut reference = reference(spec, trace);
     let program = compile(spec);
     let forget_vacuity = !counts_entries_exactly(spec);
+    let forget_margins = !has_margins(spec);
     for drive in [Drive::Straight, Drive::Snapshots] {
         let mut engine = engine(&program, trace, drive);
         if forget_vacuity {
             engine.iter_mut().chain(&mut reference).for_each(|s| s.vacuous = false);
+        }
+        if forget_margins {
+            engine.iter_mut().chain(&mut reference).for_each(|s| s.margin = None);
         }
         if engine != reference {
             return Err(Disagreement { drive, reference, engine });
@@ -94,6 +111,31 @@ fn counts_entries_exactly(spec: &checked::Spec) -> bool {
     })
 }
 
+/// Whether the engine computes margins of all formulas. It does not where a scope opens or closes on a formula in which another opens or
+/// closes on a future formula.
+fn has_margins(spec: &checked::Spec) -> bool {
+    fn openings(e: &Expr) -> Vec<&Expr> {
+        match &e.kind {
+            Kind::Scope(scope, x, _) if *scope != checked::Scope::Whenever => vec![x],
+            Kind::AfterUntil(x, y, _) => vec![x, y],
+            _ => Vec::new(),
+        }
+    }
+    fn any(e: &Expr, is: fn(&Expr) -> bool) -> bool {
+        is(e) || e.children().into_iter().any(|c| any(c, is))
+    }
+    fn opens_on_future(e: &Expr) -> bool {
+        openings(e).into_iter().any(Expr::has_future)
+    }
+    fn opens_on_that(e: &Expr) -> bool {
+        openings(e).into_iter().any(|x| any(x, opens_on_future))
+    }
+    spec.properties.iter().all(|p| match &p.body {
+        Body::Formula(formula) => !any(formula, opens_on_that),
+        _ => true,
+    })
+}
+
 /// What the reference says.
 pub fn reference(spec: &checked::Spec, trace: &Trace) -> Vec<Said> {
     evaluate(spec, trace)
@@ -104,13 +146,14 @@ pub fn reference(spec: &checked::Spec, trace: &Trace) -> Vec<Said> {
             vacuous: o.vacuous,
             counts: (o.met, o.failed, o.open),
             episodes: o.episodes.iter().map(|e| (e.failed, e.began, e.until, e.count)).collect(),
+            margin: o.margin.map(Margin),
         })
         .collect()
 }
 
 /// What the engine says.
 pub fn engine(program: &Program, trace: &Trace, drive: Drive) -> Vec<Said> {
-    let mut state = State::new(program);
+    let mut state = State::with_margins(program);
     for sample in trace.iter() {
         if drive == Drive::Snapshots {
             let snapshot = state.clone();
@@ -128,6 +171,7 @@ pub fn engine(program: &Program, trace: &Trace, drive: Drive) -> Vec<Said> {
             vacuous: o.vacuous,
             counts: (o.met as usize, o.failed as usize, o.open as usize),
             episodes: o.episodes.iter().map(|e| (e.failed, e.began, e.until, e.count as usize)).collect(),
+            margin: o.margin.map(Margin),
         })
         .collect()
 }

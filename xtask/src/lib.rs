@@ -5,5 +5,6 @@
 pub mod agree;
 pub mod exhaustive;
 pub mod random;
+pub mod robust;
 pub mod suite;
 pub mod tidy;

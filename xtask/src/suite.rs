@@ -264,23 +264,29 @@ fn homes(text: &str, path: &Path) -> Vec<(&'static str, Result<Vec<Line>, String
     };
     let program = compile(&spec);
     let lines = |said: Vec<agree::Said>| Ok(said.into_iter().map(line_of_said).collect());
+    let (library, printed) = match session(text, path) {
+        Ok((library, printed)) => (Ok(library), Ok(printed)),
+        Err(why) => (Err(why.clone()), Err(why)),
+    };
     vec![
         ("the reference", lines(agree::reference(&spec, &trace))),
         ("the engine", lines(agree::engine(&program, &trace, Drive::Straight))),
         ("the engine from snapshots", lines(agree::engine(&program, &trace, Drive::Snapshots))),
-        ("a session", session(text, path)),
+        ("the library", library),
+        ("the printed report", printed),
     ]
 }
 
 fn line_of_said(said: agree::Said) -> Line {
-    let agree::Said { name, verdict, vacuous, counts, episodes } = said;
+    let agree::Said { name, verdict, vacuous, counts, episodes, margin: _ } = said;
     Line { name, verdict, counts: Some(counts), episodes, vacuous, cause: None }
 }
 
-/// What the library says, as `lapwing check` prints it.
-fn session(text: &str, path: &Path) -> Result<Vec<Line>, String> {
+/// What the library says, and what `lapwing check --format json` prints of it.
+fn session(text: &str, path: &Path) -> Result<(Vec<Line>, Vec<Line>), String> {
     let spec = [Spec::parse("case.rv", text, &|_| None).map_err(|e| e.to_string())?];
     let report = Session::open(&spec, path, &Options::default()).map_err(|e| e.to_string())?.run(&mut ());
+    let printed = lapwing_react::render(&report, lapwing_react::Format::Json, lapwing_diag::Style::Plain);
     let line = |p: lapwing_react::Property| Line {
         name: p.name,
         verdict: p.verdict,
@@ -289,7 +295,30 @@ fn session(text: &str, path: &Path) -> Result<Vec<Line>, String> {
         vacuous: p.vacuous,
         cause: p.cause,
     };
-    Ok(report.properties.into_iter().map(line).collect())
+    Ok((report.properties.into_iter().map(line).collect(), printed_lines(&printed)?))
+}
+
+/// The properties of a printed report.
+fn printed_lines(printed: &str) -> Result<Vec<Line>, String> {
+    let report: serde_json::Value = serde_json::from_str(printed).map_err(|e| e.to_string())?;
+    let properties = report["properties"].as_array().ok_or("no properties are printed")?;
+    properties.iter().map(|p| printed_line(p).ok_or_else(|| format!("a property without what belongs to it: {p}"))).collect()
+}
+
+fn printed_line(property: &serde_json::Value) -> Option<Line> {
+    let count = |name: &str| Some(property["obligations"][name].as_u64()? as usize);
+    let episode = |v: &serde_json::Value| {
+        let time = |name: &str| v[name].as_i64().map(Time);
+        Some((time("failed_ns")?, time("began_ns")?, time("until_ns")?, v["count"].as_u64()? as usize))
+    };
+    Some(Line {
+        name: property["name"].as_str()?.to_owned(),
+        verdict: verdict(property["verdict"].as_str()?)?,
+        counts: Some((count("met")?, count("failed")?, count("open")?)),
+        episodes: property["violations"].as_array()?.iter().map(episode).collect::<Option<_>>()?,
+        vacuous: property["vacuous"].as_bool()?,
+        cause: property["cause"].as_str().map(str::to_owned),
+    })
 }
 
 /// A recording as the trace of one specification.

@@ -16,6 +16,18 @@ pub struct Loaded {
     pub(crate) diagnostics: Vec<Diagnostic>,
 }
 
+impl Loaded {
+    /// Whether a property stands under `for each … in topics`: then a trace must tell all of its topics beforehand.
+    pub fn runs_over_topics(&self) -> bool {
+        let over_topics = |each: &[ast::ForEach]| each.iter().any(|e| matches!(e.set, ast::EachSet::Topics(_)));
+        self.file.items.iter().any(|item| match &item.kind {
+            ast::ItemKind::Property(property) => over_topics(&property.each),
+            ast::ItemKind::Definition(definition) => over_topics(&definition.each),
+            _ => false,
+        })
+    }
+}
+
 /// The libraries that come with Lapwing, by name, with their text.
 const SHIPPED: &[(&str, &str)] = &[];
 

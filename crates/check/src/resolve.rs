@@ -247,7 +247,7 @@ impl Cx<'_> {
     fn port(&mut self, env: &Env, idents: &[Ident], at: Span) -> Option<Term> {
         let [component, port, rest @ ..] = idents else { return None };
         let name = format!("/{}/{}", component.name, port.name);
-        self.trace.filter(|t| !t.schemaless)?.topic(&name)?;
+        self.trace?.topic(&name)?;
         let topic = ast::Topic { name, span: at };
         let opened = self.open(env, &topic, None);
         let label = format!("{}.{}", component.name, port.name);

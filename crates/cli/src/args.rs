@@ -73,6 +73,7 @@ recordings, and - for NDJSON or CSV on standard input. Every specification is ch
   lapwing check robot.rv run.mcap
   lapwing check robot.rv safety.rv runs/ --format junit > report.xml
   producer | lapwing check robot.rv - --format ndjson
+  lapwing check robot.rv runs/ --margins    which run came closest to failing, and by how much
 
 Exit codes: 0 every property `satisfied` or `holds`; 1 at least one `violated` or `unmet`; 2 the command line or a specification is
 wrong; 3 none failed, but one is `inconclusive`, or a recording could not be read whole.")]
@@ -86,6 +87,10 @@ pub struct Check {
     /// Stop reading a recording at its first violation
     #[arg(long)]
     pub until_first_violation: bool,
+    /// Say by how much each property missed failing, or missed not failing (negative): for `never speed > 2.0` and a greatest speed of
+    /// 1.8 the margin is 0.2. Truth values count as ∞; where a property compares metres and seconds there is none. Takes time and memory
+    #[arg(long)]
+    pub margins: bool,
     /// How many recordings to check at once [default: one per core]
     #[arg(short, long, value_name = "N")]
     pub jobs: Option<std::num::NonZeroUsize>,

@@ -28,7 +28,11 @@ pub fn run(check: &Check) -> Result<Exit, Complaint> {
     let plan = Plan {
         specs: &specs,
         traces: &traces,
-        options: Options { recording: check.reading.options(), until_first_violation: check.until_first_violation },
+        options: Options {
+            recording: check.reading.options(),
+            until_first_violation: check.until_first_violation,
+            margins: check.margins,
+        },
         format: check.format.into(),
         quiet: check.quiet,
         styles: (stdout, stderr),

@@ -9,6 +9,7 @@ use lapwing_stream::{Sample, Time, Value, Verdict, What};
 use crate::group::{Core, Walk};
 use crate::inputs::Inputs;
 use crate::machine::MachineMemory;
+use crate::margin::Measured;
 use crate::node::{Notes, View};
 use crate::outcome::{Episode, Observer, Outcome, Output, join};
 use crate::program::{Clock, Group, Judge, Positions, Program};
@@ -28,6 +29,8 @@ pub struct State {
     /// What the pieces before the latest jump came to.
     before: Option<Vec<Outcome>>,
     jumps: Vec<(Time, Time)>,
+    /// Whether margins are computed.
+    measures: bool,
 }
 
 /// A stretch of trace in which time never goes back.
@@ -78,7 +81,15 @@ pub struct Ending {
 impl State {
     /// Nothing has come yet.
     pub fn new(program: &Program) -> State {
-        State { piece: Piece::new(program), before: None, jumps: Vec::new() }
+        State { piece: Piece::new(program), before: None, jumps: Vec::new(), measures: false }
+    }
+
+    /// Nothing has come yet, and [`Outcome::margin`] is wanted. It costs time at every position, and memory where a property has
+    /// future operators.
+    pub fn with_margins(program: &Program) -> State {
+        let mut state = State { measures: true, ..State::new(program) };
+        state.piece.measure(program);
+        state
     }
 
     /// Takes a sample in.
@@ -113,6 +124,9 @@ impl State {
         self.before = Some(join(self.before.take(), outcomes));
         self.jumps.push((from, to));
         self.piece = Piece::new(program);
+        if self.measures {
+            self.piece.measure(program);
+        }
         observer.output(&self.piece.inputs, Output::Jump { from, to });
     }
 
@@ -133,9 +147,7 @@ impl State {
 
     /// When something happens though nothing comes: a live caller feeds a sample without content once its clock has passed it.
     pub fn next_deadline(&mut self, program: &Program) -> Option<Time> {
-        let piece = &mut self.piece;
-        let tick = piece.next_tick(program);
-        [piece.next_flip(program), piece.next_bound(program), tick].into_iter().flatten().min().map(Time)
+        Some(self.piece.next_by_itself(program)).filter(|&at| at != i64::MAX).map(Time)
     }
 
     /// The latest of everything.
@@ -181,6 +193,14 @@ impl Piece {
         }
     }
 
+    /// Computes margins as well.
+    fn measure(&mut self, program: &Program) {
+        for (instances, plan) in self.groups.iter_mut().zip(&program.groups) {
+            instances.cores.iter_mut().for_each(|core| core.measure(plan, &self.inputs, program.margin_limit));
+        }
+    }
+
+    #[inline]
     fn is_timed_out(&self, program: &Program, now: i64) -> bool {
         match (program.timeout, self.t0) {
             (Some(timeout), Some(t0)) => now > t0.saturating_add(timeout.nanos()),
@@ -189,11 +209,11 @@ impl Piece {
     }
 
     /// Whether more instants of a rate lie before this time than anyone could want.
+    #[inline]
     fn is_absurd(&self, program: &Program, now: i64) -> bool {
-        match (program.clock, self.last, self.t0) {
-            (Clock::Rate(rate), Some(last), Some(_)) => {
-                (i128::from(now) - i128::from(last)) * i128::from(rate) > TICKS * 1_000_000_000
-            }
+        let Clock::Rate(rate) = program.clock else { return false };
+        match (self.last, self.t0) {
+            (Some(last), Some(_)) => (i128::from(now) - i128::from(last)) * i128::from(rate) > TICKS * 1_000_000_000,
             _ => false,
         }
     }
@@ -212,12 +232,13 @@ impl Piece {
     /// Finds out until when nothing happens by itself.
     #[inline]
     fn look_ahead(&mut self, program: &Program) {
-        self.quiet_until = i64::MAX;
-        if self.is_timed {
-            let tick = self.next_tick(program);
-            let next = [self.next_flip(program), self.next_bound(program), tick].into_iter().flatten().min();
-            self.quiet_until = next.unwrap_or(i64::MAX);
-        }
+        self.quiet_until = if self.is_timed { self.next_by_itself(program) } else { i64::MAX };
+    }
+
+    /// The next time at which something happens by itself.
+    fn next_by_itself(&mut self, program: &Program) -> i64 {
+        let tick = self.next_tick(program);
+        [self.next_flip(program), self.next_bound(program), tick].into_iter().flatten().min().unwrap_or(i64::MAX)
     }
 
     /// Everything that happens before what has the stamp `now` comes in.
@@ -488,6 +509,9 @@ impl Piece {
             outcome.cause = Some(format!("more than {INSTANCES} values were seen"));
         }
         outcome.settle(missed, !more_to_come, ending);
+        if let Some(margins) = &core.margins {
+            outcome.set_margin(margins.of(&plan.margins, number, last));
+        }
         outcome
     }
 
@@ -533,7 +557,13 @@ impl Outcome {
             unmet_since: None,
             nans: 0,
             positions: 0,
+            margin: None,
+            margin_gave_up: false,
         }
+    }
+
+    fn set_margin(&mut self, measured: Measured) {
+        (self.margin, self.margin_gave_up) = (measured.margin, measured.gave_up);
     }
 
     /// The verdict, from the counts and the cause: whether something was missed, and whether no obligation can be added any more.
@@ -604,6 +634,9 @@ impl Instances {
                 return;
             }
             core.key[i] = Some(value.clone());
+            if let Some(margins) = &mut core.margins {
+                margins.share(self.cores.len() + 1);
+            }
             self.cores.push(core);
         }
     }

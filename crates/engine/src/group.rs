@@ -1,5 +1,6 @@
 //! Properties with the same positions, stepped together.
 
+use alloc::boxed::Box;
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
@@ -7,6 +8,7 @@ use lapwing_stream::{Time, Value};
 
 use crate::future::{Decided, Graph, Moment, Segment, step_segments};
 use crate::inputs::Inputs;
+use crate::margin::Margins;
 use crate::node::{Notes, View};
 use crate::outcome::{Observer, Output};
 use crate::past::{self, Memory, Registers, Scene};
@@ -142,6 +144,8 @@ pub(crate) struct Core {
     pub positions: u64,
     /// More runs were open than allowed.
     pub overflowed: bool,
+    /// By how much its properties missed changing their verdicts, where that is asked for.
+    pub margins: Option<Box<Margins>>,
 }
 
 impl Core {
@@ -156,7 +160,14 @@ impl Core {
             looks: plan.looks.iter().map(LookState::new).collect(),
             positions: 0,
             overflowed: false,
+            margins: None,
         }
+    }
+
+    /// Computes margins as well, from now on.
+    pub fn measure(&mut self, plan: &Group, inputs: &Inputs, limit: usize) {
+        let view = self.walk.view(&plan.at, inputs, 0, &self.key, &[]);
+        self.margins = Some(Box::new(Margins::new(&plan.margins, limit, view)));
     }
 
     /// Whether it is an instance, and no template of instances to come.
@@ -166,11 +177,25 @@ impl Core {
 
     /// An instant: a position, if it is one for this group.
     pub fn step(&mut self, plan: &Group, inputs: &Inputs, now: i64, limit: usize, tell: &mut impl Observer) {
-        if !self.walk.enter(&plan.at, inputs, now, &self.key, &[]) {
+        let is_position = self.walk.enter(&plan.at, inputs, now, &self.key, &[]);
+        if self.margins.is_some() {
+            self.measure_step(plan, inputs, now, is_position);
+        }
+        if !is_position {
             return;
         }
         self.positions += 1;
         if plan.is_plain() { self.judge(plan, inputs, now, tell) } else { self.decide(plan, inputs, now, limit, tell) }
+    }
+
+    #[cold]
+    fn measure_step(&mut self, plan: &Group, inputs: &Inputs, now: i64, is_position: bool) {
+        // What is over events alone has no instants but its positions.
+        if let Some(margins) = &mut self.margins
+            && (is_position || plan.at.alphabet.is_none())
+        {
+            margins.step(&plan.margins, self.walk.view(&plan.at, inputs, now, &self.key, &[]), is_position);
+        }
     }
 
     /// A position of a group without segments and future operators: its obligations end where they begin.

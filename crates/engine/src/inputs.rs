@@ -102,6 +102,16 @@ impl Inputs {
         self.topics.iter_mut().for_each(|t| t.fresh = false);
     }
 
+    /// The fields of an event's latest occurrence at this instant, where it occurs.
+    pub fn event(&self, event: usize) -> Option<&[Value]> {
+        self.events.get(event)?.iter().next_back()
+    }
+
+    /// The state in which a machine stands, `None` where it is undefined.
+    pub fn state(&self, machine: usize) -> Option<usize> {
+        self.machines.get(machine).copied().flatten()
+    }
+
     /// The value of a signal, [`Value::Missing`] where it has none.
     pub fn value(&self, slot: usize) -> &Value {
         self.slots.get(slot).unwrap_or(&Value::Missing)

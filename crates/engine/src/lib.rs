@@ -9,6 +9,7 @@
 //! 2. At an instant the signals have their latest values ([`inputs`]), then the machines move ([`machine`]).
 //! 3. Each [`Group`](program::Group) of properties with the same positions steps its past operators ([`past`]), then its graph of
 //!    future operators ([`future`]), whose decisions end obligations ([`tracker`]).
+//! 4. Where it is asked for, margins are computed beside ([`mod@margin`]).
 //!
 //! There is no I/O here, no clock, no thread, no randomness and no iteration in hash order: time comes with the sample, and
 //! [`State::next_deadline`] tells a live caller when to wake up. After warm-up a step does not allocate.
@@ -26,6 +27,7 @@ mod future;
 mod group;
 pub mod inputs;
 mod machine;
+pub mod margin;
 mod node;
 pub mod outcome;
 mod past;

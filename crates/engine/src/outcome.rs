@@ -91,6 +91,10 @@ pub struct Outcome {
     pub nans: u64,
     /// How many positions it had.
     pub positions: u64,
+    /// The worst margin of its obligations, where margins are computed and it has one.
+    pub margin: Option<f64>,
+    /// Whether its margin would have taken more memory than is allowed.
+    pub margin_gave_up: bool,
 }
 
 /// Joins what was said on two pieces of a trace, property by property, instance by instance: an instance whose value only one piece
@@ -130,6 +134,9 @@ impl Outcome {
         self.unmet_since = self.unmet_since.or(later.unmet_since);
         self.nans += later.nans;
         self.positions += later.positions;
+        self.margin_gave_up |= later.margin_gave_up;
+        let margins = [self.margin, later.margin].into_iter().flatten();
+        self.margin = margins.reduce(f64::min).filter(|_| !self.margin_gave_up);
         self.vacuous = self.verdict.is_success() && self.entered.contains(&0);
     }
 }

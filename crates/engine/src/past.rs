@@ -22,6 +22,8 @@ pub(crate) enum Memory {
     Last(bool),
     /// Stamps at which the operand held: those that have not reached the lower end of the bound, and the latest that has.
     Held { pending: VecDeque<i64>, reached: Option<i64> },
+    /// The latest stamp at which the operand held, [`NEVER`] for none.
+    Latest(i64),
     /// The stamp at which the operand began to hold without a break, and the last at which it did not.
     Since { since: Option<i64>, broken: Option<i64> },
     /// The values in a window; for a minimum or maximum only those that may still become it.
@@ -29,6 +31,9 @@ pub(crate) enum Memory {
     /// The stamps in a window at which the operand held.
     Stamps(VecDeque<i64>),
 }
+
+/// Longer ago than any bound reaches, and far enough from the end of time to count from.
+const NEVER: i64 = i64::MIN;
 
 impl Memory {
     /// The memory of an operator that has seen nothing.
@@ -38,6 +43,7 @@ impl Memory {
             Op::Delta(_) | Op::Rate(_) => Memory::Before { value: None, stamp: None },
             Op::Previously(_) | Op::Becomes(_) => Memory::Last(false),
             Op::Once(..) | Op::Since(..) => Memory::Held { pending: VecDeque::new(), reached: None },
+            Op::OnceWithin(..) | Op::SinceWithin(..) => Memory::Latest(NEVER),
             Op::Held(..) => Memory::Since { since: None, broken: None },
             Op::Window(..) => Memory::Window(VecDeque::new()),
             Op::Count(..) => Memory::Stamps(VecDeque::new()),
@@ -110,12 +116,41 @@ pub(crate) fn run(scene: &Scene<'_>, memories: &mut [Memory], running: bool, reg
 }
 
 // PERF: what only reads bits does so without building a view; that is nearly all of the code of a logical formula.
-#[inline]
+#[inline(always)]
 fn step(i: usize, op: &Op, memory: &mut Memory, scene: &Scene<'_>, running: bool, registers: &mut Registers) {
     let now = scene.now;
+    let bit = match op {
+        Op::Slot { slot, truth } => match (&scene.inputs.slots[*slot], truth) {
+            (Value::Bool(b), _) => *b,
+            _ => scene.view(registers).slot(*slot, *truth),
+        },
+        Op::And(a, b) => registers.bit(*a) & registers.bit(*b),
+        Op::OnceWithin(most, of) if running => {
+            let Memory::Latest(latest) = memory else { return };
+            if registers.bit(*of) {
+                *latest = now;
+            }
+            *latest != NEVER && now.saturating_sub(*latest) <= *most
+        }
+        Op::SinceWithin(most, left, right) if running => {
+            let Memory::Latest(latest) = memory else { return };
+            if !registers.bit(*left) {
+                *latest = NEVER;
+            }
+            if registers.bit(*right) {
+                *latest = now;
+            }
+            *latest != NEVER && now.saturating_sub(*latest) <= *most
+        }
+        _ => return step_other(i, op, memory, scene, running, registers),
+    };
+    registers.bits[i] = bit;
+}
+
+/// The operators that are rarer, or cost more than the call.
+fn step_other(i: usize, op: &Op, memory: &mut Memory, scene: &Scene<'_>, running: bool, registers: &mut Registers) {
+    let now = scene.now;
     let bit = match (op, memory) {
-        (Op::Slot { slot, truth }, _) => scene.view(registers).slot(*slot, *truth),
-        (Op::And(a, b), _) => registers.bit(*a) & registers.bit(*b),
         (Op::Iff(a, b), _) => registers.bit(*a) == registers.bit(*b),
         (Op::Holds(node), _) => scene.view(registers).holds(*node),
         (Op::Lookback(..) | Op::Delta(_) | Op::Rate(_) | Op::Window(..) | Op::Count(..), memory) => {

@@ -5,6 +5,8 @@ use alloc::vec::Vec;
 
 use lapwing_stream::{Duration, Value};
 
+use crate::margin::plan::Plan;
+
 /// Where instants come from.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Clock {
@@ -40,6 +42,8 @@ pub struct Program {
     pub properties: Vec<Property>,
     /// How many runs of open obligations a property may have before it is inconclusive.
     pub open_limit: usize,
+    /// How many values may be stored for the margin of a property; beyond that it has none.
+    pub margin_limit: usize,
 }
 
 /// A signal.
@@ -261,6 +265,13 @@ impl Bound {
         self.hi != i64::MAX
     }
 
+    /// For a bound that begins at no distance: the greatest distance within, in whole nanoseconds.
+    pub fn from_here(&self) -> Option<i64> {
+        let begins_here = self.lo == 0 && self.lo_closed;
+        let greatest = if self.hi_closed { Some(self.hi) } else { self.hi.checked_sub(1).filter(|&hi| hi >= 0) };
+        if begins_here { greatest } else { None }
+    }
+
     /// Whether a distance has reached the lower end.
     #[inline]
     pub fn begun(&self, distance: i64) -> bool {
@@ -298,6 +309,10 @@ pub enum Op {
     Once(Bound, Bit),
     /// left since right
     Since(Bound, Bit, Bit),
+    /// `once` whose bound begins where it stands: at most so many nanoseconds ago.
+    OnceWithin(i64, Bit),
+    /// `left since right` whose bound begins where it stands.
+    SinceWithin(i64, Bit, Bit),
     Held(Duration, Bit),
     /// At how many positions of the window it held.
     Count(Bit, Duration),
@@ -328,6 +343,8 @@ pub struct Group {
     pub trackers: Vec<Tracker>,
     /// How often scopes are entered.
     pub looks: Vec<Look>,
+    /// The margins of its properties, of those that have one.
+    pub margins: Vec<Plan>,
 }
 
 impl Group {

@@ -85,6 +85,7 @@ pub(crate) fn property(blank: Property, outcome: &Outcome, notes: &mut Notes<'_>
         cause: outcome.cause.clone().filter(|_| outcome.verdict == Verdict::Inconclusive),
         vacuous: outcome.vacuous,
         obligations: Obligations { met: outcome.met, failed: outcome.failed, open: outcome.open },
+        margin: outcome.margin,
         violations: outcome.episodes.iter().map(|e| notes.violation(outcome.property, &instance, *e)).collect(),
         nans: outcome.nans,
         unmet_since: outcome.unmet_since.filter(|_| outcome.verdict == Verdict::Unmet),

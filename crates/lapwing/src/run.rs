@@ -38,6 +38,8 @@ pub(crate) struct Run<'s> {
     told: usize,
     /// How many jumps have been told.
     jumps_told: usize,
+    /// The properties whose margins would have taken too much memory.
+    unmeasured: Vec<String>,
 }
 
 /// Messages and unseen ones by topic, and instants.
@@ -48,8 +50,8 @@ struct Counts {
 }
 
 impl<'s> Run<'s> {
-    /// A run over a recording that has been checked; `wants` gets what is to be read of it.
-    pub fn new(spec: &'s Spec, checked: lapwing_check::Checked, wants: &mut Wants) -> Run<'s> {
+    /// A run over a recording that has been checked, with margins or without; `wants` gets what is to be read of it.
+    pub fn new(spec: &'s Spec, checked: lapwing_check::Checked, margins: bool, wants: &mut Wants) -> Run<'s> {
         let diagnostics = checked.beyond(&spec.findings().diagnostics).cloned().collect();
         let meaning = checked.spec;
         let program = compile::compile(&meaning);
@@ -62,7 +64,7 @@ impl<'s> Run<'s> {
         Run {
             spec,
             diagnostics,
-            state: State::new(&program),
+            state: if margins { State::with_margins(&program) } else { State::new(&program) },
             intake: Intake::new(&meaning, wants),
             witness: Witness::new(meaning.inputs.len(), interests),
             latches,
@@ -71,6 +73,7 @@ impl<'s> Run<'s> {
             before: Counts { messages: vec![(0, 0); meaning.topics.len()], instants: 0 },
             told: 0,
             jumps_told: 0,
+            unmeasured: Vec::new(),
             meaning,
             program,
         }
@@ -175,6 +178,9 @@ impl<'s> Run<'s> {
                 property.hints.extend(self.latches[outcome.property].as_ref().map(Latch::hint));
             }
             account::remark(&mut property);
+            if outcome.margin_gave_up {
+                self.unmeasured.push(property.name.clone());
+            }
             properties.push(property);
         }
         properties
@@ -197,6 +203,10 @@ impl<'s> Run<'s> {
             let message = format!("{name} failed although the X of its `after X` had become false again before");
             failed.then(|| Warning::with_code(Code::LatchedAfter, message))
         });
-        unseen.chain(latched).collect()
+        let unmeasured = self.unmeasured.iter().map(|name| {
+            let limit = self.program.margin_limit;
+            Warning::plain(format!("{name} has no margin: more than {limit} values would have to be kept until the end"))
+        });
+        unseen.chain(latched).chain(unmeasured).collect()
     }
 }

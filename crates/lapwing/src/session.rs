@@ -24,6 +24,8 @@ pub struct Options {
     pub recording: lapwing_record::Options,
     /// Whether to stop at the first violation.
     pub until_first_violation: bool,
+    /// Whether to compute by how much each property missed changing its verdict.
+    pub margins: bool,
 }
 
 /// Specifications over one recording, which is read once. Each specification has its own clock and its own state.
@@ -38,10 +40,14 @@ pub struct Session<'s> {
 impl<'s> Session<'s> {
     /// Opens a recording, and checks the specifications against what it carries.
     pub fn open(specs: &'s [Spec], trace: &Path, options: &Options) -> Result<Session<'s>, OpenError> {
-        let recording = lapwing_record::open(trace, options.recording.clone())?;
+        let mut how = options.recording.clone();
+        if specs.iter().any(Spec::runs_over_topics) {
+            how.look_ahead = u64::MAX;
+        }
+        let recording = lapwing_record::open(trace, how)?;
         let shape = shape::of(&recording);
         let mut wants = Wants::default();
-        let runs: Vec<Run> = specs.iter().map(|spec| Run::new(spec, spec.against(&shape), &mut wants)).collect();
+        let runs: Vec<Run> = specs.iter().map(|spec| Run::new(spec, spec.against(&shape), options.margins, &mut wants)).collect();
         let mut report = blank(specs, trace);
         report.properties = runs.iter().flat_map(|run| run.blanks.clone()).collect();
         report.topics = topics(&runs, &recording);

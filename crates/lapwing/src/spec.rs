@@ -48,6 +48,11 @@ impl Spec {
         Spec::parse(&path.to_string_lossy(), &text, &|used| std::fs::read_to_string(folder.join(used)).ok())
     }
 
+    /// Whether it has instances over topics, all of which must be known before a recording is read.
+    pub(crate) fn runs_over_topics(&self) -> bool {
+        self.loaded.runs_over_topics()
+    }
+
     /// Reads and checks a text. `name` is what reports call it; `resolve` gives the text of a file that it uses.
     pub fn parse(name: &str, text: &str, resolve: &dyn Fn(&str) -> Option<String>) -> Result<Spec, SpecError> {
         let mut sources = SourceMap::default();

@@ -57,7 +57,8 @@ pub struct Property {
     pub vacuous: bool,
     /// What became of its obligations.
     pub obligations: Obligations,
-    /// The worst robustness, where it was computed.
+    /// By how much it missed changing its verdict, at its worst; negative where it failed. `None` where it was not computed, and where
+    /// what is compared has different dimensions.
     pub margin: Option<f64>,
     /// The episodes of failures, in the order of time.
     pub violations: Vec<Violation>,

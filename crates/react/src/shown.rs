@@ -62,6 +62,15 @@ pub(crate) fn cell(of: &Value) -> String {
     }
 }
 
+/// A margin: rounded, and infinite where nothing that was compared decides.
+pub(crate) fn margin(margin: f64) -> String {
+    match margin {
+        f64::INFINITY => "margin ∞".to_owned(),
+        f64::NEG_INFINITY => "margin -∞".to_owned(),
+        x => format!("margin {}", rounded(x)),
+    }
+}
+
 /// `1 failure`, `2 failures`.
 pub(crate) fn count(n: u64, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })

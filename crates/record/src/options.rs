@@ -14,6 +14,9 @@ pub struct Options {
     /// Trees of installed message definitions, asked before the bundled ones:
     /// `DIR/<pkg>/msg`, `DIR/share/<pkg>/msg` or `DIR/<pkg>/share/<pkg>/msg`.
     pub msgs: Vec<PathBuf>,
+    /// How many bytes of an NDJSON file are looked through for topics before it is read; `u64::MAX` for all of it. Other formats
+    /// tell their topics at once, and a stream is not waited for.
+    pub look_ahead: u64,
     /// How much memory and disk a file may ask for.
     pub limits: Limits,
 }
@@ -24,6 +27,7 @@ impl Default for Options {
             time: TimeSource::Log,
             reorder: Duration::from_nanos(1_000_000_000),
             msgs: Vec::new(),
+            look_ahead: 1 << 20,
             limits: Limits::default(),
         }
     }

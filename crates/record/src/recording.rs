@@ -12,9 +12,6 @@ use crate::options::Options;
 use crate::path;
 use crate::reader::Reader;
 
-/// How far into an NDJSON file topics are looked for before it is read, in bytes.
-const LOOK_AHEAD: u64 = 1 << 20;
-
 /// An opened recording.
 pub struct Recording {
     format: Format,
@@ -48,7 +45,7 @@ pub struct Wanted {
 /// Opens a recording, whatever its format: a file, a rosbag2 folder, or `-` for standard input (text formats only).
 ///
 /// Opening reads what tells the topics: a summary or an index where there is one, else the whole file, but of an NDJSON
-/// file only the first MiB, and of a stream only its first line (for which it waits).
+/// file only so much as [`Options::look_ahead`] says, and of a stream only its first line (for which it waits).
 pub fn open(path: &Path, options: Options) -> Result<Recording, OpenError> {
     let library = Library::new(&options.msgs);
     let (format, source) = crate::open::open(path, &library, &options.limits)?;
@@ -67,7 +64,7 @@ fn look_ahead(path: &Path, library: &Library, options: &Options) -> Vec<TopicInf
     let Ok((_, mut source)) = crate::open::open(path, library, &options.limits) else { return Vec::new() };
     let mut losses = Losses::new(1);
     while let Ok(Some(_)) = source.advance(&mut losses) {
-        if source.progress().0 >= LOOK_AHEAD {
+        if source.progress().0 >= options.look_ahead {
             break;
         }
     }
@@ -107,7 +104,7 @@ impl Recording {
         self.format
     }
 
-    /// Its topics, in the order in which they are met. Of an NDJSON file those that its first MiB names, of standard input
+    /// Its topics, in the order in which they are met. Of an NDJSON file those that its first [`Options::look_ahead`] bytes name, of standard input
     /// none: later ones are read all the same.
     pub fn topics(&self) -> &[TopicInfo] {
         &self.topics

@@ -119,12 +119,15 @@ impl<'c> Lowering<'c> {
             Kind::Previously(of) => Op::Previously(self.formula(of)),
             Kind::Becomes(of) => Op::Becomes(self.formula(of)),
             Kind::Held(duration, of) => Op::Held(*duration, self.formula(of)),
-            Kind::Once(b, of) => Op::Once(bound(b), self.formula(of)),
+            Kind::Once(b, of) => once(b, self.formula(of)),
             Kind::Historically(b, of) => {
                 let of = self.formula(of);
-                return !self.bit(Op::Once(bound(b), !of));
+                return !self.bit(once(b, !of));
             }
-            Kind::Since(b, l, r) => Op::Since(bound(b), self.formula(l), self.formula(r)),
+            Kind::Since(b, l, r) => {
+                let (b, l, r) = (bound(b), self.formula(l), self.formula(r));
+                b.from_here().map_or(Op::Since(b, l, r), |most| Op::SinceWithin(most, l, r))
+            }
             _ => Op::Holds(self.expr(e)),
         };
         self.bit(op)
@@ -232,6 +235,12 @@ impl<'c> Lowering<'c> {
         let any = self.node(Node::Any { array, body });
         if all { self.not(any) } else { any }
     }
+}
+
+/// `once`, in the form that its bound allows.
+fn once(b: &checked::Bound, of: Bit) -> Op {
+    let b = bound(b);
+    b.from_here().map_or(Op::Once(b, of), |most| Op::OnceWithin(most, of))
 }
 
 /// The events whose fields an expression reads at the instant itself.

@@ -1,5 +1,6 @@
 //! Formulas: which obligations they put where, and the graph of future operators that decides them.
 
+use lapwing_engine::margin::plan::Plan;
 use lapwing_engine::program::{
     At, Bound, Context, ContextKind, Future, FutureKind, FutureRef, Group, Judged, Look, Positions, Tracker,
 };
@@ -16,6 +17,7 @@ pub(crate) struct GroupLowering {
     futures: Vec<Future>,
     trackers: Vec<Tracker>,
     pub(super) looks: Vec<Look>,
+    pub(super) margins: Vec<Plan>,
 }
 
 /// The whole trace.
@@ -29,6 +31,7 @@ impl GroupLowering {
             futures: Vec::new(),
             trackers: Vec::new(),
             looks: Vec::new(),
+            margins: Vec::new(),
         }
     }
 
@@ -39,6 +42,7 @@ impl GroupLowering {
             futures: self.futures,
             trackers: self.trackers,
             looks: self.looks,
+            margins: self.margins,
         }
     }
 

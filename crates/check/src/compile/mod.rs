@@ -5,6 +5,7 @@ mod expr;
 mod formula;
 mod looks;
 mod machine;
+mod margin;
 mod replay;
 
 use std::collections::BTreeMap;
@@ -17,6 +18,9 @@ use formula::GroupLowering;
 
 /// How many runs of open obligations a property may have, unless a caller changes [`engine::Program::open_limit`].
 pub const OPEN_LIMIT: usize = 65_536;
+
+/// How many values may be stored for the margin of a property, unless a caller changes [`engine::Program::margin_limit`]: 256 MiB.
+pub const MARGIN_LIMIT: usize = 32 << 20;
 
 /// Compiles a specification that was checked without errors. What has a [`checked::Property::problem`] is judged by nobody.
 pub fn compile(spec: &checked::Spec) -> engine::Program {
@@ -36,6 +40,7 @@ pub fn compile(spec: &checked::Spec) -> engine::Program {
         groups: Vec::new(),
         properties: Vec::new(),
         open_limit: OPEN_LIMIT,
+        margin_limit: MARGIN_LIMIT,
     };
     Grouping::of(spec, counters).into_program(&mut program);
     program
@@ -193,6 +198,7 @@ impl<'a> Grouping<'a> {
                 let into = &mut self.lowered[group];
                 lowered.counters = into.property(number, formula, &mut self.counters);
                 lowered.scopes = into.looks(number, formula);
+                into.margin(number, formula);
             }
         }
         lowered

@@ -17,8 +17,10 @@ use crate::times::Pos;
 pub(crate) struct State {
     /// The position of the first stored value.
     first: Pos,
-    /// The stamps, and at each the values of all leaves.
-    stored: VecDeque<(i64, Vec<bool>)>,
+    /// The stamps.
+    stored: VecDeque<i64>,
+    /// The values of all leaves at each stamp, one after the other.
+    values: VecDeque<bool>,
     open: Runs,
     deadline: Option<(i64, bool)>,
 }
@@ -42,7 +44,7 @@ impl State {
 
     /// Decides what can be decided.
     fn decide(&mut self, formula: &Replay, end: End, limit: (i64, bool), out: &mut Vec<Decided>) {
-        let asking = Asking { formula, first: self.first, stored: &self.stored, limit };
+        let asking = Asking { formula, first: self.first, stored: &self.stored, values: &self.values, limit };
         let segment = Segment { hi: self.next(), end };
         let top = formula.terms.len().saturating_sub(1);
         out.extend(self.open.iter().flat_map(|(a, b)| a..=b).filter_map(|k| {
@@ -52,14 +54,23 @@ impl State {
     }
 
     /// What is decided need not be stored, nor what lies before the oldest open position.
-    fn forget(&mut self, out: &[Decided]) {
+    fn forget(&mut self, leaves: usize, out: &[Decided]) {
         for d in out {
             self.open.take(d.from, d.to, |_, _| ());
         }
         let keep = self.open.first().unwrap_or(self.next());
         while self.first < keep && self.stored.pop_front().is_some() {
             self.first += 1;
+            self.values.drain(..leaves);
         }
+    }
+
+    /// The segment is over, and all is decided.
+    fn clear(&mut self) {
+        self.stored.clear();
+        self.values.clear();
+        self.open.clear();
+        self.deadline = None;
     }
 
     /// The next end of a bound of any term at any stored position.
@@ -71,8 +82,8 @@ impl State {
         bounds
             .filter_map(|b| {
                 let end = |t: i64| (t.saturating_add(b.hi), b.hi_closed);
-                let i = self.stored.partition_point(|&(t, _)| end(t) < limit);
-                self.stored.get(i).map(|&(t, _)| end(t))
+                let i = self.stored.partition_point(|&t| end(t) < limit);
+                self.stored.get(i).map(|&t| end(t))
             })
             .min()
     }
@@ -83,8 +94,8 @@ pub(crate) fn step(state: &mut State, context: u32, formula: &Replay, pass: &Pas
         if state.stored.is_empty() {
             state.first = n;
         }
-        let leaves = formula.leaves.iter().map(|&leaf| pass.view.bool(leaf)).collect();
-        state.stored.push_back((pass.view.now, leaves));
+        state.stored.push_back(pass.view.now);
+        state.values.extend(formula.leaves.iter().map(|&leaf| pass.view.bool(leaf)));
         state.open.push(n);
     }
     if state.open.is_empty() {
@@ -96,7 +107,7 @@ pub(crate) fn step(state: &mut State, context: u32, formula: &Replay, pass: &Pas
         _ if pass.closes(context) => {
             state.decide(formula, End::Closed, (now, true), out);
             debug_assert_eq!(out.len() as u64, state.open.positions(), "a closed segment decides everything");
-            *state = State::default();
+            state.clear();
             return;
         }
         Moment::End { last } => {
@@ -110,7 +121,7 @@ pub(crate) fn step(state: &mut State, context: u32, formula: &Replay, pass: &Pas
             state.decide(formula, End::Open, limit, out);
         }
     }
-    state.forget(out);
+    state.forget(formula.leaves.len(), out);
     let limit = match pass.moment {
         Moment::Deadline { at, closed: true } => (at.saturating_add(1), false),
         _ => (now, true),
@@ -151,7 +162,8 @@ enum First {
 struct Asking<'a> {
     formula: &'a Replay,
     first: Pos,
-    stored: &'a VecDeque<(i64, Vec<bool>)>,
+    stored: &'a VecDeque<i64>,
+    values: &'a VecDeque<bool>,
     /// Bounds that end before this are over.
     limit: (i64, bool),
 }
@@ -170,13 +182,17 @@ fn or(a: Option<bool>, b: Option<bool>) -> Option<bool> {
 
 impl Asking<'_> {
     fn stamp(&self, k: Pos) -> i64 {
-        self.stored[(k - self.first) as usize].0
+        self.stored[(k - self.first) as usize]
+    }
+
+    fn leaf(&self, leaf: usize, k: Pos) -> bool {
+        self.values[(k - self.first) as usize * self.formula.leaves.len() + leaf]
     }
 
     /// A term at position `k` of a segment.
     fn term(&self, term: usize, k: Pos, s: Segment) -> Option<bool> {
         match self.formula.terms[term] {
-            Term::Leaf(i) => Some(self.stored[(k - self.first) as usize].1[i]),
+            Term::Leaf(i) => Some(self.leaf(i, k)),
             Term::Not(f) => self.term(f, k, s).map(|x| !x),
             Term::And(l, r) => and(self.term(l, k, s), self.term(r, k, s)),
             Term::Or(l, r) => or(self.term(l, k, s), self.term(r, k, s)),

@@ -8,7 +8,7 @@ use lapwing_diag::Style;
 use lapwing_stream::Verdict;
 
 use crate::report::{Property, Report, Topic};
-use crate::shown::{Origin, count, seconds};
+use crate::shown::{Origin, count, margin, seconds};
 use crate::tally::Tally;
 use paint::Paint;
 
@@ -156,6 +156,7 @@ fn details(property: &Property, origin: Origin) -> String {
             met => parts.push(format!("met {}{open}", count(met, "time", "times"))),
         }
     }
+    parts.extend(property.margin.map(margin));
     if property.vacuous {
         let idle = property.scopes.iter().filter(|s| s.entered == 0).map(|s| format!("`{}`", s.text));
         parts.push(format!("vacuous, never triggered: {}", idle.collect::<Vec<_>>().join(", ")));
