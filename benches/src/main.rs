@@ -18,7 +18,10 @@ const ROUNDS: usize = 5;
 fn main() {
     let steps = std::env::args().nth(1).and_then(|s| s.parse().ok()).unwrap_or(300_000);
     println!("W1, {steps} steps: nanoseconds a step by hand and by the engine, and their ratio\n");
-    println!("{:<12} {:>6}   {:>8} {:>8} {:>6}   {:>8} {:>8} {:>6}", "", "bound", "sat hand", "engine", "ratio", "rnd hand", "engine", "ratio");
+    println!(
+        "{:<12} {:>6}   {:>8} {:>8} {:>6}   {:>8} {:>8} {:>6}",
+        "", "bound", "sat hand", "engine", "ratio", "rnd hand", "engine", "ratio"
+    );
     let only = std::env::args().nth(2).unwrap_or_default();
     for property in Property::ALL.into_iter().filter(|p| format!("{p:?}").contains(&only)) {
         for bound in [10, 100, 1000, 10_000] {
@@ -26,7 +29,13 @@ fn main() {
             let rnd = compare(property, bound, &timescales::random(steps));
             println!(
                 "{:<12} {bound:>6}   {:>8.1} {:>8.1} {:>6.1}   {:>8.1} {:>8.1} {:>6.1}",
-                format!("{property:?}"), sat.hand, sat.engine, sat.engine / sat.hand, rnd.hand, rnd.engine, rnd.engine / rnd.hand
+                format!("{property:?}"),
+                sat.hand,
+                sat.engine,
+                sat.engine / sat.hand,
+                rnd.hand,
+                rnd.engine,
+                rnd.engine / rnd.hand
             );
         }
     }

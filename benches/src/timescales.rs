@@ -40,9 +40,8 @@ impl Property {
     pub fn formula(self, b: u32) -> String {
         let a = lower(b);
         let asked = "(r and not q and once q)";
-        let response = format!(
-            "((s implies once within [{a} ms, {b} ms] p) and not (not s since within [{b} ms, 1000 h] p))"
-        );
+        let response =
+            format!("((s implies once within [{a} ms, {b} ms] p) and not (not s since within [{b} ms, 1000 h] p))");
         match self {
             Property::RecurGlb => format!("once within {b} ms p"),
             Property::AbsentAq => format!("(once within {b} ms q) implies (not p since q)"),

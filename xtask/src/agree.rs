@@ -100,7 +100,9 @@ fn counts_entries_exactly(spec: &checked::Spec) -> bool {
         let here = match &e.kind {
             Kind::Until(_, left, _) => !has_scope(left),
             Kind::Scope(_, x, body) => !x.has_future() || !(has_scope(body) || has_scope(x)),
-            Kind::AfterUntil(x, y, body) => !(x.has_future() || y.has_future()) || ![x, y, body].iter().any(|e| has_scope(e)),
+            Kind::AfterUntil(x, y, body) => {
+                !(x.has_future() || y.has_future()) || ![x, y, body].iter().any(|e| has_scope(e))
+            }
             _ => true,
         };
         here && e.children().into_iter().all(exact)

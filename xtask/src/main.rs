@@ -45,6 +45,8 @@ fn main() -> ExitCode {
         }
     }
     let stopped = if differences == show { ", then stopped" } else { "" };
-    println!("{random} cases from seed {seed} on: {differences} differences{stopped}; {refused} refused by the checker");
+    println!(
+        "{random} cases from seed {seed} on: {differences} differences{stopped}; {refused} refused by the checker"
+    );
     if differences == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

@@ -26,7 +26,9 @@ pub fn run(seed: u64) -> Told {
     match compare(&case) {
         Ok(()) => Told::Agreed,
         Err(Failure::Dimensions) => Told::Refused,
-        Err(Failure::Check(why)) => Told::Differed(format!("seed {seed}: the text does not check\n{}\n{why}", case.text())),
+        Err(Failure::Check(why)) => {
+            Told::Differed(format!("seed {seed}: the text does not check\n{}\n{why}", case.text()))
+        }
         Err(Failure::Differ(_)) => Told::Differed(smallest(seed, &case)),
     }
 }

@@ -243,7 +243,12 @@ fn matches(wanted: &[Line], said: &[Line]) -> bool {
             _ => true,
         };
         let counts = w.counts.is_none() || w.counts == s.counts;
-        w.name == s.name && w.verdict == s.verdict && counts && w.episodes == s.episodes && w.vacuous == s.vacuous && cause
+        w.name == s.name
+            && w.verdict == s.verdict
+            && counts
+            && w.episodes == s.episodes
+            && w.vacuous == s.vacuous
+            && cause
     };
     wanted.len() == said.len() && wanted.iter().zip(said).all(one)
 }
@@ -256,7 +261,9 @@ fn homes(text: &str, path: &Path) -> Vec<(&'static str, Result<Vec<Line>, String
         Err(error) => return vec![("the recording", Err(error.to_string()))],
     };
     let shape = shape_of(&recording);
-    let Some(checked) = checked(text, &shape) else { return vec![("the check", Err("the specification has errors".to_owned()))] };
+    let Some(checked) = checked(text, &shape) else {
+        return vec![("the check", Err("the specification has errors".to_owned()))];
+    };
     let spec = checked.spec;
     let trace = match trace(&spec, recording) {
         Ok(trace) => trace,
@@ -302,7 +309,10 @@ fn session(text: &str, path: &Path) -> Result<(Vec<Line>, Vec<Line>), String> {
 fn printed_lines(printed: &str) -> Result<Vec<Line>, String> {
     let report: serde_json::Value = serde_json::from_str(printed).map_err(|e| e.to_string())?;
     let properties = report["properties"].as_array().ok_or("no properties are printed")?;
-    properties.iter().map(|p| printed_line(p).ok_or_else(|| format!("a property without what belongs to it: {p}"))).collect()
+    properties
+        .iter()
+        .map(|p| printed_line(p).ok_or_else(|| format!("a property without what belongs to it: {p}")))
+        .collect()
 }
 
 fn printed_line(property: &serde_json::Value) -> Option<Line> {
@@ -328,8 +338,11 @@ fn trace(spec: &checked::Spec, recording: Recording) -> Result<Trace, String> {
         Step::Index(index) => Part::Index(*index),
     };
     let path = |path: &checked::Path| lapwing_record::Path::new(path.iter().map(part));
-    let wanted: Vec<Wanted> =
-        spec.topics.iter().map(|t| Wanted { topic: t.name.clone(), fields: t.fields.iter().map(path).collect() }).collect();
+    let wanted: Vec<Wanted> = spec
+        .topics
+        .iter()
+        .map(|t| Wanted { topic: t.name.clone(), fields: t.fields.iter().map(path).collect() })
+        .collect();
     let mut reader = recording.read(&wanted);
     let mut trace = Trace::default();
     while let Some(item) = reader.next() {
@@ -347,7 +360,9 @@ fn arrival(spec: &checked::Spec, item: &Item<'_>) -> Arrival {
         cells.iter().find(|(n, _)| **n == *name).map_or(Value::Missing, |(_, value)| value.clone())
     };
     match item {
-        Item::Message { wanted: Some(topic), values, .. } => Arrival::Message { topic: *topic, values: values.to_vec() },
+        Item::Message { wanted: Some(topic), values, .. } => {
+            Arrival::Message { topic: *topic, values: values.to_vec() }
+        }
         Item::Message { .. } => Arrival::Other,
         Item::Row { cells, .. } => Arrival::Row { cells: spec.columns.iter().map(|c| named(cells, c)).collect() },
         Item::Event { name, fields, .. } => {
@@ -378,7 +393,8 @@ fn parse_line(line: &str) -> Result<Option<Line>, String> {
     let (name, rest) = line.split_once(':').ok_or_else(|| format!("no colon in `{line}`"))?;
     let mut words = rest.split_whitespace();
     let verdict = words.next().and_then(verdict).ok_or_else(|| format!("no verdict in `{line}`"))?;
-    let mut said = Line { name: name.trim().to_owned(), verdict, counts: None, episodes: Vec::new(), vacuous: false, cause };
+    let mut said =
+        Line { name: name.trim().to_owned(), verdict, counts: None, episodes: Vec::new(), vacuous: false, cause };
     for word in words {
         let wrong = || format!("`{word}` is not understood");
         if word == "vacuous" {

@@ -52,7 +52,8 @@ const FORBIDDEN: &[&str] = &[
 ];
 
 /// What no code may contain.
-const UNFINISHED: &[&str] = &[concat!("tod", "o!("), concat!("unimpl", "emented!("), concat!("#[ig", "nore"), concat!("#[should_", "panic")];
+const UNFINISHED: &[&str] =
+    &[concat!("tod", "o!("), concat!("unimpl", "emented!("), concat!("#[ig", "nore"), concat!("#[should_", "panic")];
 
 /// A text file of the repository.
 #[derive(Clone, Debug)]
@@ -99,7 +100,10 @@ fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
         let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         if path.is_dir() && name != "target" && name != "__pycache__" {
             collect(&path, found);
-        } else if ["rs", "md", "rv", "toml", "txt", "sh", "py"].iter().any(|e| path.extension().is_some_and(|x| x == *e)) {
+        } else if ["rs", "md", "rv", "toml", "txt", "sh", "py"]
+            .iter()
+            .any(|e| path.extension().is_some_and(|x| x == *e))
+        {
             found.push(path);
         }
     }
@@ -109,14 +113,17 @@ fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
 pub fn layers(files: &[File]) -> Vec<String> {
     let mut wrong = Vec::new();
     for file in files {
-        let Some(name) = file.path.strip_prefix("crates/").and_then(|p| p.strip_suffix("/Cargo.toml")) else { continue };
+        let Some(name) = file.path.strip_prefix("crates/").and_then(|p| p.strip_suffix("/Cargo.toml")) else {
+            continue;
+        };
         let Some((_, own, others)) = LAYERS.iter().find(|(n, ..)| *n == name) else {
             wrong.push(format!("{}: the crate has no layer: add it to the table of xtask/src/tidy.rs", file.path));
             continue;
         };
         for dependency in dependencies(&file.text) {
             let short = dependency.strip_prefix("lapwing-").unwrap_or(&dependency);
-            let is_own = LAYERS.iter().any(|(n, ..)| *n == short) && (dependency.starts_with("lapwing-") || short == "lapwing");
+            let is_own =
+                LAYERS.iter().any(|(n, ..)| *n == short) && (dependency.starts_with("lapwing-") || short == "lapwing");
             let allowed = if is_own { own.contains(&short) } else { others.contains(&dependency.as_str()) };
             if !allowed {
                 wrong.push(format!("{}: depends on {dependency}, which its layer must not know", file.path));
@@ -131,7 +138,8 @@ pub fn layers(files: &[File]) -> Vec<String> {
 fn not_upwards() -> Vec<String> {
     let place = |name: &str| LAYERS.iter().position(|(n, ..)| *n == name);
     let upwards = |(name, own, _): &(&str, &[&str], &[&str])| {
-        let down = own.iter().filter(|o| place(o) >= place(name)).map(|o| format!("{name} knows {o}, which is not above it"));
+        let down =
+            own.iter().filter(|o| place(o) >= place(name)).map(|o| format!("{name} knows {o}, which is not above it"));
         down.collect::<Vec<_>>()
     };
     LAYERS.iter().flat_map(upwards).collect()
@@ -144,7 +152,9 @@ fn dependencies(manifest: &str) -> Vec<String> {
     for line in manifest.lines() {
         if line.starts_with('[') {
             inside = line.trim() == "[dependencies]";
-        } else if inside && let Some(name) = line.split(['=', '.', ' ']).next().filter(|n| !n.is_empty() && !n.starts_with('#')) {
+        } else if inside
+            && let Some(name) = line.split(['=', '.', ' ']).next().filter(|n| !n.is_empty() && !n.starts_with('#'))
+        {
             found.push(name.to_owned());
         }
     }
@@ -186,7 +196,10 @@ fn mentions(file: &File, words: &[&str]) -> Vec<String> {
 /// Calls of `unwrap` and `expect` in code that is no test.
 pub fn panics(files: &[File]) -> Vec<String> {
     let mut found = Vec::new();
-    for file in files.iter().filter(|f| f.is_code() && f.path.starts_with("crates/") && f.path.contains("/src/") && !f.is_test()) {
+    for file in files
+        .iter()
+        .filter(|f| f.is_code() && f.path.starts_with("crates/") && f.path.contains("/src/") && !f.is_test())
+    {
         let code = file.text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
         for (number, line) in code.lines().enumerate() {
             let code = line.split("//").next().unwrap_or_default();
@@ -202,7 +215,8 @@ pub fn panics(files: &[File]) -> Vec<String> {
 /// What would give the engine a clock, an environment or an order of its own.
 pub fn impure_engine(files: &[File]) -> Vec<String> {
     let engine: Vec<&File> = files.iter().filter(|f| f.path.starts_with("crates/engine/src/") && f.is_code()).collect();
-    let mut wrong: Vec<String> = engine.iter().flat_map(|f| mentions(f, &["use std::", "extern crate std", "HashMap", "HashSet"])).collect();
+    let mut wrong: Vec<String> =
+        engine.iter().flat_map(|f| mentions(f, &["use std::", "extern crate std", "HashMap", "HashSet"])).collect();
     let root = engine.iter().find(|f| f.path == "crates/engine/src/lib.rs");
     if !root.is_some_and(|f| f.text.contains("#![no_std]")) {
         wrong.push("crates/engine/src/lib.rs: is not `#![no_std]`".to_owned());
@@ -212,7 +226,8 @@ pub fn impure_engine(files: &[File]) -> Vec<String> {
 
 /// Codes without a page worth reading, or that no test mentions.
 pub fn codes(files: &[File]) -> Vec<String> {
-    let tests: String = files.iter().filter(|f| f.is_test() || f.path.starts_with("suite/")).map(|f| f.text.as_str()).collect();
+    let tests: String =
+        files.iter().filter(|f| f.is_test() || f.path.starts_with("suite/")).map(|f| f.text.as_str()).collect();
     let mut wrong = Vec::new();
     for code in Code::ALL {
         let page = code.page();
@@ -229,7 +244,8 @@ pub fn codes(files: &[File]) -> Vec<String> {
 /// Whether the word occurs, and not as a part of a longer one.
 fn has_word(text: &str, word: &str) -> bool {
     let is_part = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '-');
-    text.match_indices(word).any(|(at, _)| !is_part(text[..at].chars().next_back()) && !is_part(text[at + word.len()..].chars().next()))
+    text.match_indices(word)
+        .any(|(at, _)| !is_part(text[..at].chars().next_back()) && !is_part(text[at + word.len()..].chars().next()))
 }
 
 /// The page that lists all codes.
@@ -243,7 +259,11 @@ pub fn errors_page() -> String {
         page.push_str(&format!("\n## {title}\n\n| code | |\n| --- | --- |\n"));
         for code in Code::ALL.iter().filter(|c| c.severity() == severity) {
             let what = code.page().lines().skip(1).find(|l| !l.is_empty()).unwrap_or_default();
-            page.push_str(&format!("| [`{name}`](../crates/diag/codes/{name}.md) | {} |\n", what.replace('|', "\\|"), name = code.name()));
+            page.push_str(&format!(
+                "| [`{name}`](../crates/diag/codes/{name}.md) | {} |\n",
+                what.replace('|', "\\|"),
+                name = code.name()
+            ));
         }
     }
     page
@@ -297,7 +317,8 @@ fn prose(text: &str) -> impl Iterator<Item = &str> {
 
 fn links(text: &str) -> Vec<String> {
     let one = |line: &str| {
-        let targets = line.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(target, _)| target.to_owned());
+        let targets =
+            line.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(target, _)| target.to_owned());
         targets.collect::<Vec<_>>()
     };
     prose(text).flat_map(one).collect()

@@ -48,7 +48,13 @@ fn every_case_has_a_name_of_its_own() {
     for page in pages(&root().join("suite")) {
         let text = std::fs::read_to_string(&page).expect("a page that can be read");
         for case in cases(&page.to_string_lossy(), &text) {
-            assert!(seen.insert(case.heading.clone()), "{}:{}: `{}` is there twice", case.file, case.line, case.heading);
+            assert!(
+                seen.insert(case.heading.clone()),
+                "{}:{}: `{}` is there twice",
+                case.file,
+                case.line,
+                case.heading
+            );
             let expects = case.parts.iter().any(|p| p.info == "verdicts" || p.info == "errors");
             assert!(expects, "{}:{}: `{}` expects nothing", case.file, case.line, case.heading);
         }

@@ -99,11 +99,20 @@ pub enum InputSource {
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[allow(missing_docs)]
 pub enum Part {
-    PositionX, PositionY, PositionZ,
+    PositionX,
+    PositionY,
+    PositionZ,
     /// The orientation, a unit quaternion.
-    QuaternionX, QuaternionY, QuaternionZ, QuaternionW,
-    LinearX, LinearY, LinearZ,
-    AngularX, AngularY, AngularZ,
+    QuaternionX,
+    QuaternionY,
+    QuaternionZ,
+    QuaternionW,
+    LinearX,
+    LinearY,
+    LinearZ,
+    AngularX,
+    AngularY,
+    AngularZ,
 }
 
 /// An object of the ground truth.
@@ -428,27 +437,55 @@ impl Bound {
 /// Arithmetic.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[allow(missing_docs)]
-pub enum Arith { Add, Sub, Mul, Div }
+pub enum Arith {
+    Add,
+    Sub,
+    Mul,
+    Div,
+}
 
 /// Comparisons.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[allow(missing_docs)]
-pub enum Compare { Eq, Ne, Lt, Le, Gt, Ge }
+pub enum Compare {
+    Eq,
+    Ne,
+    Lt,
+    Le,
+    Gt,
+    Ge,
+}
 
 /// Connectives.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[allow(missing_docs)]
-pub enum Connective { And, Or, Implies, Iff }
+pub enum Connective {
+    And,
+    Or,
+    Implies,
+    Iff,
+}
 
 /// Scopes of two parts.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[allow(missing_docs)]
-pub enum Scope { After, Until, Before, While, Whenever }
+pub enum Scope {
+    After,
+    Until,
+    Before,
+    While,
+    Whenever,
+}
 
 /// Windows over the past.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[allow(missing_docs)]
-pub enum Window { Min, Max, Mean, Count }
+pub enum Window {
+    Min,
+    Max,
+    Mean,
+    Count,
+}
 
 /// Functions of values.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -510,7 +547,12 @@ impl Expr {
     pub fn has_future(&self) -> bool {
         let future = matches!(
             self.kind,
-            Kind::Always(..) | Kind::Eventually(..) | Kind::Next(_) | Kind::Until(..) | Kind::Scope(..) | Kind::AfterUntil(..)
+            Kind::Always(..)
+                | Kind::Eventually(..)
+                | Kind::Next(_)
+                | Kind::Until(..)
+                | Kind::Scope(..)
+                | Kind::AfterUntil(..)
         );
         future || self.children().iter().any(|c| c.has_future())
     }
@@ -518,12 +560,16 @@ impl Expr {
     /// The expressions directly below it, from left to right.
     pub fn children(&self) -> Vec<&Expr> {
         match &self.kind {
-            Kind::Num(_) | Kind::Bool(_) | Kind::Str(_) | Kind::Input(_) | Kind::Event(_) | Kind::EventField { .. } => Vec::new(),
+            Kind::Num(_) | Kind::Bool(_) | Kind::Str(_) | Kind::Input(_) | Kind::Event(_) | Kind::EventField { .. } => {
+                Vec::new()
+            }
             Kind::InState { .. } | Kind::Updated(_) | Kind::Param(_) | Kind::Var(_) => Vec::new(),
             Kind::Age(_) | Kind::Frequency(..) | Kind::Fresh(_) => Vec::new(),
             Kind::Field(e, _) | Kind::Index(e, _) | Kind::Truth(e) | Kind::Neg(e) | Kind::Not(e) => vec![e],
             Kind::Lookback(e, _) | Kind::Delta(e) | Kind::Rate(e) | Kind::Window(_, e, _) => vec![e],
-            Kind::Previously(e) | Kind::Becomes(e) | Kind::Once(_, e) | Kind::Historically(_, e) | Kind::Held(_, e) => vec![e],
+            Kind::Previously(e) | Kind::Becomes(e) | Kind::Once(_, e) | Kind::Historically(_, e) | Kind::Held(_, e) => {
+                vec![e]
+            }
             Kind::Always(_, e) | Kind::Eventually(_, e) | Kind::Next(e) => vec![e],
             Kind::Arith(_, l, r) | Kind::Connective(_, l, r) | Kind::Since(_, l, r) => vec![l, r],
             Kind::Until(_, l, r) | Kind::Scope(_, l, r) => vec![l, r],

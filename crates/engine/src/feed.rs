@@ -1,23 +1,20 @@
 //! The state of a run, and how a sample moves it: jumps, the clock, deadlines in their order, instants.
 
-use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-use lapwing_stream::{Sample, Time, Value, Verdict, What};
+use lapwing_stream::{Sample, Time, Value, What};
 
-use crate::group::{Core, Walk};
+use crate::group::Core;
 use crate::inputs::Inputs;
 use crate::machine::MachineMemory;
-use crate::margin::Measured;
 use crate::node::{Notes, View};
-use crate::outcome::{Episode, Observer, Outcome, Output, join};
-use crate::program::{Clock, Group, Judge, Positions, Program};
-use crate::tracker::can_add;
+use crate::outcome::{Observer, Outcome, Output, join};
+use crate::program::{Clock, Group, Positions, Program, Read, Silence};
 use crate::world::ObjectMemory;
 
 /// At most so many instances of a property under `for each` over values.
-const INSTANCES: usize = 65_536;
+pub(crate) const INSTANCES: usize = 65_536;
 
 /// At most so many instants of a rate between two samples; a longer silence starts everything anew, as a jump back does.
 const TICKS: i128 = 10_000_000;
@@ -35,38 +32,41 @@ pub struct State {
 
 /// A stretch of trace in which time never goes back.
 #[derive(Clone, Debug)]
-struct Piece {
-    inputs: Inputs,
-    machines: Vec<MachineMemory>,
-    groups: Vec<Instances>,
-    objects: Vec<ObjectMemory>,
+pub(crate) struct Piece {
+    pub(crate) inputs: Inputs,
+    pub(crate) machines: Vec<MachineMemory>,
+    pub(crate) groups: Vec<Instances>,
+    pub(crate) objects: Vec<ObjectMemory>,
     /// The first sample that was read.
-    t0: Option<i64>,
+    pub(crate) t0: Option<i64>,
     /// The last sample of any kind, and the last that the timeout let through.
-    newest: Option<i64>,
-    last: Option<i64>,
+    pub(crate) newest: Option<i64>,
+    pub(crate) last: Option<i64>,
     /// The last instant that all share.
-    last_instant: Option<i64>,
+    pub(crate) last_instant: Option<i64>,
     /// The next instant of a rate.
-    tick: u64,
-    instants: u64,
+    pub(crate) tick: u64,
+    pub(crate) instants: u64,
     /// Before this time nothing happens by itself.
-    quiet_until: i64,
+    pub(crate) quiet_until: i64,
     /// Whether anything ever happens by itself.
-    is_timed: bool,
-    /// Per property: a topic that was silent for too long, from when to when.
-    stale: Vec<Option<(usize, i64, i64)>>,
+    pub(crate) is_timed: bool,
+    /// Per property: which of its silences was too long, from when to when.
+    pub(crate) stale: Vec<Option<(usize, i64, i64)>>,
+    /// Whether a property minds the silence of a signal that comes in rows, and when each slot last got a value.
+    pub(crate) minds_slots: bool,
+    pub(crate) heard: Vec<Option<i64>>,
     /// Per topic: messages in all, and those that no instant saw.
-    messages: Vec<(u64, u64)>,
+    pub(crate) messages: Vec<(u64, u64)>,
 }
 
 /// The instances of a group: one, or with slices one per value seen, beside the template of those to come.
 #[derive(Clone, Debug)]
-struct Instances {
-    cores: Vec<Core>,
+pub(crate) struct Instances {
+    pub(crate) cores: Vec<Core>,
     /// Those that count as instances, in the order in which their values were seen.
-    seen: Vec<usize>,
-    too_many: bool,
+    pub(crate) seen: Vec<usize>,
+    pub(crate) too_many: bool,
 }
 
 /// How a trace ended.
@@ -189,6 +189,8 @@ impl Piece {
             quiet_until: i64::MIN,
             is_timed: is_timed(program),
             stale: alloc::vec![None; program.properties.len()],
+            minds_slots: program.properties.iter().flat_map(|p| &p.stale).any(|s| matches!(s.of, Read::Slot(_))),
+            heard: alloc::vec![None; program.slots.len()],
             messages: alloc::vec![(0, 0); program.topics.len()],
         }
     }
@@ -330,6 +332,10 @@ impl Piece {
                 for &(cell, slot) in &program.columns {
                     if let Some(value) = cells.get(cell) {
                         self.inputs.set(slot, value);
+                        if self.minds_slots && !matches!(value, Value::Missing) {
+                            self.note_silence(program, Read::Slot(slot), sample.time.0);
+                            self.heard[slot] = Some(sample.time.0);
+                        }
                     }
                 }
             }
@@ -358,7 +364,7 @@ impl Piece {
         for (slots, value) in plan.fields.iter().zip(values) {
             slots.iter().for_each(|&slot| self.inputs.set(slot, value));
         }
-        self.note_silence(program, topic, now);
+        self.note_silence(program, Read::Topic(topic), now);
         let state = &mut self.inputs.topics[topic];
         self.messages[topic].0 += 1;
         // A message that comes before the instant after the one before it makes that one unseen.
@@ -385,19 +391,24 @@ impl Piece {
     fn filter_event(&mut self, program: &Program, event: usize) {
         let Some((at, when)) = &program.events[event].when else { return };
         let notes = Notes::default();
-        let view = View { at, inputs: &self.inputs, bits: &[], values: &[], params: &[], now: 0, notes: &notes, seen: &[] };
+        let view =
+            View { at, inputs: &self.inputs, bits: &[], values: &[], params: &[], now: 0, notes: &notes, seen: &[] };
         if !view.holds(*when) {
             self.inputs.events[event].count -= 1;
         }
     }
 
-    /// Marks the properties for which this topic has been silent for too long.
-    fn note_silence(&mut self, program: &Program, topic: usize, now: i64) {
-        let since = self.inputs.topics[topic].last.or(self.t0).unwrap_or(now);
+    /// Marks the properties for which this topic or signal has been silent for too long.
+    fn note_silence(&mut self, program: &Program, of: Read, now: i64) {
+        let heard = match of {
+            Read::Topic(topic) => self.inputs.topics[topic].last,
+            Read::Slot(slot) => self.heard[slot],
+        };
+        let since = heard.or(self.t0).unwrap_or(now);
         for (property, stale) in program.properties.iter().zip(&mut self.stale) {
-            let limit = property.stale.iter().find(|(t, _)| *t == topic).map(|(_, limit)| *limit);
-            if stale.is_none() && limit.is_some_and(|limit| Time(now).since(Time(since)) > limit) {
-                *stale = Some((topic, since, now));
+            let too_long = |s: &Silence| s.of == of && Time(now).since(Time(since)) > s.limit;
+            if stale.is_none() {
+                *stale = property.stale.iter().position(too_long).map(|i| (i, since, now));
             }
         }
     }
@@ -425,8 +436,11 @@ impl Piece {
             self.tick(program, tick, tell);
         }
         for topic in 0..program.topics.len() {
-            self.note_silence(program, topic, last);
+            self.note_silence(program, Read::Topic(topic), last);
             self.messages[topic].1 += u64::from(self.inputs.topics[topic].fresh);
+        }
+        if self.minds_slots {
+            (0..program.slots.len()).for_each(|slot| self.note_silence(program, Read::Slot(slot), last));
         }
         for (instances, plan) in self.groups.iter_mut().zip(&program.groups) {
             for core in &mut instances.cores {
@@ -434,155 +448,6 @@ impl Piece {
             }
         }
         (0..program.properties.len()).flat_map(|p| self.judge(program, p, ending)).collect()
-    }
-
-    /// What is said of a property: one outcome, or one per instance.
-    fn judge(&self, program: &Program, number: usize, ending: &Ending) -> Vec<Outcome> {
-        let property = &program.properties[number];
-        let blank = |cause: String| alloc::vec![Outcome { cause: Some(cause), ..Outcome::blank(number, property.scopes) }];
-        if let Some(problem) = &property.problem {
-            return blank(problem.clone());
-        }
-        match property.judge {
-            Judge::Nobody => blank("nothing judges it".to_string()),
-            _ if self.last.is_none() => blank("the trace has no message".to_string()),
-            Judge::Machine(m) => alloc::vec![self.machine_outcome(program, number, m, ending)],
-            Judge::Group(g) => {
-                let Instances { cores, seen, .. } = &self.groups[g];
-                let instances = seen.iter().map(|&i| &cores[i]);
-                instances.map(|core| self.core_outcome(program, number, &program.groups[g], core, ending)).collect()
-            }
-        }
-    }
-
-    fn machine_outcome(&self, program: &Program, number: usize, machine: usize, ending: &Ending) -> Outcome {
-        let memory = &self.machines[machine];
-        let mut outcome = Outcome {
-            met: memory.met,
-            failed: memory.failed,
-            episodes: sorted(memory.episodes.clone()),
-            positions: memory.positions,
-            nans: self.nans(program, number, &memory.walk.notes),
-            ..Outcome::blank(number, 0)
-        };
-        let at = &program.machines[machine].at;
-        outcome.cause = self.cause(program, number, at, &memory.walk, ending);
-        let limit = memory.deadline(&program.machines[machine], machine, &self.inputs);
-        outcome.open = u64::from(limit.is_some());
-        let missed = limit.is_some_and(|limit| Some(limit) <= self.last);
-        outcome.unmet_since = missed.then(|| memory.since());
-        outcome.settle(missed, false, ending);
-        outcome
-    }
-
-    fn core_outcome(&self, program: &Program, number: usize, plan: &Group, core: &Core, ending: &Ending) -> Outcome {
-        let scopes = program.properties[number].scopes;
-        let of_property = || plan.trackers.iter().zip(&core.trackers).filter(|(t, _)| t.property == number);
-        let mut outcome = Outcome {
-            instance: core.key.iter().flatten().cloned().collect(),
-            entered: core.entered(plan, number, scopes),
-            positions: core.positions,
-            nans: self.nans(program, number, &core.walk.notes),
-            ..Outcome::blank(number, scopes)
-        };
-        let last = self.last.unwrap_or_default();
-        let mut more_to_come = false;
-        for (tracker, state) in of_property() {
-            outcome.met += state.met;
-            outcome.failed += state.failed;
-            outcome.open += state.open.positions();
-            outcome.episodes.extend_from_slice(&state.done);
-            outcome.unmet_since = match (outcome.unmet_since, state.unmet_since.map(Time)) {
-                (Some(a), Some(b)) => Some(a.min(b)),
-                (a, b) => a.or(b),
-            };
-            more_to_come |= can_add(tracker, &plan.contexts, &core.graph.segments, last);
-        }
-        outcome.episodes = sorted(outcome.episodes);
-        let missed = outcome.unmet_since.is_some()
-            || (core.positions == 0 && of_property().any(|(tracker, _)| tracker.missed_if_empty));
-        outcome.cause = self.cause(program, number, &plan.at, &core.walk, ending);
-        if core.overflowed && outcome.cause.is_none() {
-            outcome.cause = Some(format!("more than {} runs of obligations were open at once", program.open_limit));
-        }
-        if self.groups.iter().any(|g| g.too_many) && !plan.at.slices.is_empty() && outcome.cause.is_none() {
-            outcome.cause = Some(format!("more than {INSTANCES} values were seen"));
-        }
-        outcome.settle(missed, !more_to_come, ending);
-        if let Some(margins) = &core.margins {
-            outcome.set_margin(margins.of(&plan.margins, number, last));
-        }
-        outcome
-    }
-
-    /// Why a property that did not fail cannot be judged.
-    fn cause(&self, program: &Program, number: usize, at: &Positions, walk: &Walk, ending: &Ending) -> Option<String> {
-        let property = &program.properties[number];
-        if let Some((_, why)) = ending.lost.iter().find(|(topic, _)| property.topics.contains(topic)) {
-            return Some(why.clone());
-        }
-        if at.alphabet.is_none() && !walk.started {
-            let names: Vec<_> = walk.missing(at).filter_map(|i| property.waits_for.get(i)).cloned().collect();
-            return Some(match names.is_empty() {
-                true => "it never had a position".to_string(),
-                false => format!("no value ever came: {}", names.join(", ")),
-            });
-        }
-        if let Some((topic, from, to)) = self.stale[number] {
-            let name = property.waits_for.get(at.reads.len() + topic).cloned().unwrap_or_else(|| "a topic".to_string());
-            return Some(format!("{name} was silent from {} to {}", Time(from), Time(to)));
-        }
-        walk.notes.fault.get().map(|_| "a value was of another kind than the formula needs".to_string())
-    }
-
-    fn nans(&self, program: &Program, number: usize, notes: &Notes) -> u64 {
-        let counters = &program.properties[number].counters;
-        counters.iter().filter_map(|&c| notes.nans.get(c as usize)).map(|n| n.get()).sum()
-    }
-}
-
-impl Outcome {
-    fn blank(property: usize, scopes: usize) -> Outcome {
-        Outcome {
-            property,
-            instance: Vec::new(),
-            verdict: Verdict::Inconclusive,
-            cause: None,
-            vacuous: false,
-            entered: alloc::vec![0; scopes],
-            met: 0,
-            failed: 0,
-            open: 0,
-            episodes: Vec::new(),
-            unmet_since: None,
-            nans: 0,
-            positions: 0,
-            margin: None,
-            margin_gave_up: false,
-        }
-    }
-
-    fn set_margin(&mut self, measured: Measured) {
-        (self.margin, self.margin_gave_up) = (measured.margin, measured.gave_up);
-    }
-
-    /// The verdict, from the counts and the cause: whether something was missed, and whether no obligation can be added any more.
-    fn settle(&mut self, missed: bool, is_complete: bool, ending: &Ending) {
-        if missed && self.cause.is_none() {
-            self.cause.clone_from(&ending.broke_off);
-        }
-        self.verdict = match () {
-            () if self.failed > 0 => Verdict::Violated,
-            () if self.cause.is_some() => Verdict::Inconclusive,
-            () if missed => Verdict::Unmet,
-            () if self.open == 0 && is_complete => Verdict::Satisfied,
-            () => Verdict::Holds,
-        };
-        self.vacuous = self.verdict.is_success() && self.entered.contains(&0);
-        if self.verdict != Verdict::Inconclusive {
-            // A violation stands, whatever else was not seen.
-            self.cause = None;
-        }
     }
 }
 
@@ -644,13 +509,12 @@ impl Instances {
 
 /// Whether anything in a program happens by the mere passing of time.
 fn is_timed(program: &Program) -> bool {
-    let ages = program.groups.iter().map(|g| &g.at).chain(program.machines.iter().map(|m| &m.at)).any(|at| !at.ages.is_empty());
+    let ages = program
+        .groups
+        .iter()
+        .map(|g| &g.at)
+        .chain(program.machines.iter().map(|m| &m.at))
+        .any(|at| !at.ages.is_empty());
     let stays = program.machines.iter().flat_map(|m| &m.states).any(|s| s.at_most.is_some());
     program.clock != Clock::Events || ages || stays || program.groups.iter().any(|g| !g.futures.is_empty())
-}
-
-/// By the time of the first failure, then of beginning, then in the order of the text.
-fn sorted(mut episodes: Vec<Episode>) -> Vec<Episode> {
-    episodes.sort_by_key(|e| (e.failed, e.began));
-    episodes
 }

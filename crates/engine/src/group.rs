@@ -380,7 +380,9 @@ impl LookState {
         let at = |of: u32| looks[of as usize].now;
         match look.kind {
             LookKind::First => segment.first,
-            LookKind::Within(bound) => bound == Bound::ALL || bound.contains(view.now.saturating_sub(segment.start_stamp)),
+            LookKind::Within(bound) => {
+                bound == Bound::ALL || bound.contains(view.now.saturating_sub(segment.start_stamp))
+            }
             LookKind::Same { of } => at(of),
             LookKind::Proves { of, .. } => {
                 if at(of) {
@@ -391,9 +393,7 @@ impl LookState {
             LookKind::Where { of, x } => at(of) && view.bool(x),
             LookKind::Unless { of, x } => at(of) && !view.bool(x),
             LookKind::Next { of } => core::mem::replace(&mut self.before, at(of)),
-            LookKind::From { of, bound } => {
-                past::once(&bound, at(of), view.now, &mut self.queue, &mut self.reached)
-            }
+            LookKind::From { of, bound } => past::once(&bound, at(of), view.now, &mut self.queue, &mut self.reached),
             LookKind::FirstWith { of, x } => {
                 self.pending |= at(of);
                 let here = self.pending && view.bool(x);

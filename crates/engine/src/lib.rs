@@ -26,6 +26,7 @@ mod functions;
 mod future;
 mod group;
 pub mod inputs;
+mod judge;
 mod machine;
 pub mod margin;
 mod node;

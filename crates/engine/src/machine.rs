@@ -88,10 +88,7 @@ impl MachineMemory {
             _ if !allowed => Some(format!("illegal transition {} -> {}", name(from), name(to))),
             _ => None,
         };
-        let events = [
-            from.and_then(|s| plan.states.get(s)?.left),
-            to.and_then(|s| plan.states.get(s)?.entered),
-        ];
+        let events = [from.and_then(|s| plan.states.get(s)?.left), to.and_then(|s| plan.states.get(s)?.entered)];
         for event in events.into_iter().flatten() {
             if let Some(state) = inputs.events.get_mut(event) {
                 state.add(core::iter::empty());
@@ -107,7 +104,15 @@ impl MachineMemory {
         (self.since, self.overstayed) = (now, false);
     }
 
-    fn fail(&mut self, plan: &Machine, began: i64, failed: i64, why: String, inputs: &Inputs, tell: &mut impl Observer) {
+    fn fail(
+        &mut self,
+        plan: &Machine,
+        began: i64,
+        failed: i64,
+        why: String,
+        inputs: &Inputs,
+        tell: &mut impl Observer,
+    ) {
         let (began, failed) = (Time(began), Time(failed));
         self.failed += 1;
         self.episodes.push(Episode { failed, began, until: failed, count: 1 });
@@ -157,9 +162,9 @@ fn choose(plan: &Machine, current: Option<usize>, view: &View<'_>) -> Option<usi
 
 /// Whether an edge with a trigger leads from the current state to one without a condition of its own.
 fn is_led_to(plan: &Machine, current: Option<usize>, to: usize, view: &View<'_>) -> bool {
-    plan.edges.iter().any(|e| {
-        Some(e.from) == current && e.to == to && (e.on.is_some() || e.when.is_some()) && is_open(e, view)
-    })
+    plan.edges
+        .iter()
+        .any(|e| Some(e.from) == current && e.to == to && (e.on.is_some() || e.when.is_some()) && is_open(e, view))
 }
 
 fn is_drawn(plan: &Machine, from: usize, to: usize, view: &View<'_>) -> bool {

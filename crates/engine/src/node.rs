@@ -233,17 +233,25 @@ impl<'a> View<'a> {
             Node::Num(_) | Node::Neg(_) | Node::Arith(..) | Node::Age(_) | Node::Frequency(..) => {
                 Val::Num(self.number(id, vars))
             }
-            Node::Bit(_) | Node::Bool(_) | Node::Not(_) | Node::And(..) | Node::Or(..) | Node::Iff(..) | Node::Compare { .. } => {
+            Node::Bit(_)
+            | Node::Bool(_)
+            | Node::Not(_)
+            | Node::And(..)
+            | Node::Or(..)
+            | Node::Iff(..)
+            | Node::Compare { .. } => Val::Bool(self.truth(id, vars)),
+            Node::Event(_) | Node::InState { .. } | Node::Fresh(_) | Node::Updated(_) => {
                 Val::Bool(self.truth(id, vars))
             }
-            Node::Event(_) | Node::InState { .. } | Node::Fresh(_) | Node::Updated(_) => Val::Bool(self.truth(id, vars)),
         }
     }
 
     /// Whether an expression has a value at all, be it NaN: what reads a field of an event that does not occur has none.
     pub fn is_there(&self, id: NodeId) -> bool {
         match self.node(id) {
-            Node::Slot(_) | Node::Reg(_) | Node::EventField { .. } | Node::Param(_) => !matches!(self.val(id, None), Val::None),
+            Node::Slot(_) | Node::Reg(_) | Node::EventField { .. } | Node::Param(_) => {
+                !matches!(self.val(id, None), Val::None)
+            }
             Node::Neg(of) | Node::Field(of, _) | Node::Index(of, _) => self.is_there(*of),
             Node::Arith(_, a, b) => self.is_there(*a) && self.is_there(*b),
             Node::Call(_, args) => args.iter().all(|&a| self.is_there(a)),

@@ -15,17 +15,29 @@ use crate::program::{Bit, Bound, NodeId, Op, Positions, Window};
 pub(crate) enum Memory {
     None,
     /// The latest values, a ring: `at` is the oldest.
-    Ring { values: Vec<Value>, at: usize },
+    Ring {
+        values: Vec<Value>,
+        at: usize,
+    },
     /// The value before, and its stamp.
-    Before { value: Option<f64>, stamp: Option<i64> },
+    Before {
+        value: Option<f64>,
+        stamp: Option<i64>,
+    },
     /// A truth value before.
     Last(bool),
     /// Stamps at which the operand held: those that have not reached the lower end of the bound, and the latest that has.
-    Held { pending: VecDeque<i64>, reached: Option<i64> },
+    Held {
+        pending: VecDeque<i64>,
+        reached: Option<i64>,
+    },
     /// The latest stamp at which the operand held, [`NEVER`] for none.
     Latest(i64),
     /// The stamp at which the operand began to hold without a break, and the last at which it did not.
-    Since { since: Option<i64>, broken: Option<i64> },
+    Since {
+        since: Option<i64>,
+        broken: Option<i64>,
+    },
     /// The values in a window; for a minimum or maximum only those that may still become it.
     Window(VecDeque<(i64, f64)>),
     /// The stamps in a window at which the operand held.
@@ -93,7 +105,9 @@ pub(crate) fn prime(scene: &Scene<'_>, memories: &mut [Memory], registers: &mut 
     for (i, op) in scene.at.ops.iter().enumerate() {
         let view = scene.view(registers);
         match (op, &mut memories[i]) {
-            (Op::Lookback(node, _), Memory::Ring { values, .. }) => values.iter_mut().for_each(|v| view.value(*node).store(v)),
+            (Op::Lookback(node, _), Memory::Ring { values, .. }) => {
+                values.iter_mut().for_each(|v| view.value(*node).store(v))
+            }
             (Op::Delta(node) | Op::Rate(node), Memory::Before { value, .. }) => *value = number(&view, *node),
             _ => {}
         }
@@ -163,7 +177,9 @@ fn step_other(i: usize, op: &Op, memory: &mut Memory, scene: &Scene<'_>, running
             let before = core::mem::replace(last, holds);
             holds && !before
         }
-        (Op::Once(bound, of), Memory::Held { pending, reached }) => once(bound, registers.bit(*of), now, pending, reached),
+        (Op::Once(bound, of), Memory::Held { pending, reached }) => {
+            once(bound, registers.bit(*of), now, pending, reached)
+        }
         (Op::Since(bound, left, right), Memory::Held { pending, reached }) => {
             if !registers.bit(*left) {
                 pending.clear();
@@ -236,7 +252,13 @@ fn look_back(op: &Op, memory: &mut Memory, view: &View<'_>, out: &mut Value) {
 
 /// Whether the operand held at a distance within the bound; it holds now or not.
 #[inline]
-pub(crate) fn once(bound: &Bound, holds: bool, now: i64, pending: &mut VecDeque<i64>, reached: &mut Option<i64>) -> bool {
+pub(crate) fn once(
+    bound: &Bound,
+    holds: bool,
+    now: i64,
+    pending: &mut VecDeque<i64>,
+    reached: &mut Option<i64>,
+) -> bool {
     if bound.begun(0) {
         if holds {
             *reached = Some(now);

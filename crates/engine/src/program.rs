@@ -81,11 +81,24 @@ pub struct Object {
 #[derive(Clone, Debug)]
 #[allow(missing_docs)]
 pub enum ObjectSource {
-    ModelStates { name: usize, pose: usize, twist: usize },
-    Odometry { pose: usize, twist: usize },
-    Pose { pose: usize },
+    ModelStates {
+        name: usize,
+        pose: usize,
+        twist: usize,
+    },
+    Odometry {
+        pose: usize,
+        twist: usize,
+    },
+    Pose {
+        pose: usize,
+    },
     /// The field of the transforms, for each topic that carries them.
-    Tf { topics: Vec<(usize, usize)>, fixed: String, frame: String },
+    Tf {
+        topics: Vec<(usize, usize)>,
+        fixed: String,
+        frame: String,
+    },
 }
 
 /// An event.
@@ -197,9 +210,15 @@ pub enum Node {
     /// Whether an event occurs at this instant.
     Event(usize),
     /// A field of it.
-    EventField { event: usize, field: usize },
+    EventField {
+        event: usize,
+        field: usize,
+    },
     /// Whether a machine stands in a state (`None`: undefined).
-    InState { machine: usize, state: Option<usize> },
+    InState {
+        machine: usize,
+        state: Option<usize>,
+    },
     /// Whether one of the slots got a value since the machine sampled last.
     Updated(Vec<usize>),
     /// The value of a slice.
@@ -213,15 +232,30 @@ pub enum Node {
     Neg(NodeId),
     Arith(Arith, NodeId, NodeId),
     /// Of numbers; `counter` counts those that met a NaN.
-    Compare { op: Compare, margin: Option<NodeId>, left: NodeId, right: NodeId, counter: u32 },
+    Compare {
+        op: Compare,
+        margin: Option<NodeId>,
+        left: NodeId,
+        right: NodeId,
+        counter: u32,
+    },
     /// Of values whose kind only shows at run time, and of texts and booleans.
-    CompareAny { op: Compare, margin: Option<NodeId>, left: NodeId, right: NodeId, counter: u32 },
+    CompareAny {
+        op: Compare,
+        margin: Option<NodeId>,
+        left: NodeId,
+        right: NodeId,
+        counter: u32,
+    },
     Not(NodeId),
     And(NodeId, NodeId),
     Or(NodeId, NodeId),
     Iff(NodeId, NodeId),
     Call(Func, Vec<NodeId>),
-    Any { array: NodeId, body: NodeId },
+    Any {
+        array: NodeId,
+        body: NodeId,
+    },
     Age(usize),
     Frequency(usize, Duration),
     Fresh(usize),
@@ -230,19 +264,54 @@ pub enum Node {
 /// Arithmetic.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[allow(missing_docs)]
-pub enum Arith { Add, Sub, Mul, Div }
+pub enum Arith {
+    Add,
+    Sub,
+    Mul,
+    Div,
+}
 
 /// Comparisons.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[allow(missing_docs)]
-pub enum Compare { Eq, Ne, Lt, Le, Gt, Ge }
+pub enum Compare {
+    Eq,
+    Ne,
+    Lt,
+    Le,
+    Gt,
+    Ge,
+}
 
 /// Functions of values; what each computes stands beside it in `functions`.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[allow(missing_docs)]
 pub enum Func {
-    Abs, Sign, Min, Max, Sqrt, Sin, Cos, Atan2, Norm, Roll, Pitch, Yaw, AngleDiff, AngleBetween, IntoBody, Deg, Rad, IsNan, Len,
-    MinOf, MaxOf, Lookup, StartsWith, EndsWith, Contains,
+    Abs,
+    Sign,
+    Min,
+    Max,
+    Sqrt,
+    Sin,
+    Cos,
+    Atan2,
+    Norm,
+    Roll,
+    Pitch,
+    Yaw,
+    AngleDiff,
+    AngleBetween,
+    IntoBody,
+    Deg,
+    Rad,
+    IsNan,
+    Len,
+    MinOf,
+    MaxOf,
+    Lookup,
+    StartsWith,
+    EndsWith,
+    Contains,
 }
 
 /// A time bound: positions at a distance from `lo` to `hi`.
@@ -299,7 +368,10 @@ impl Bound {
 #[allow(missing_docs)]
 pub enum Op {
     /// The truth of a signal: a boolean, or (`truth`) a number that is neither zero nor NaN.
-    Slot { slot: usize, truth: bool },
+    Slot {
+        slot: usize,
+        truth: bool,
+    },
     /// The truth of an expression.
     Holds(NodeId),
     And(Bit, Bit),
@@ -328,7 +400,11 @@ pub enum Op {
 /// Windows over the past.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[allow(missing_docs)]
-pub enum Window { Min, Max, Mean }
+pub enum Window {
+    Min,
+    Max,
+    Mean,
+}
 
 /// Properties with the same positions.
 #[derive(Clone, Debug, Default)]
@@ -411,13 +487,29 @@ pub enum FutureKind {
     /// Both operands known at once.
     Until(Bound, Bit, Bit),
     /// `after X, body`
-    After { x: Bit, body: FutureRef, inner: ContextId },
+    After {
+        x: Bit,
+        body: FutureRef,
+        inner: ContextId,
+    },
     /// `until X, body`, and `before X, body` with `weak`
-    UntilScope { weak: bool, x: Bit, body: FutureRef, inner: ContextId },
+    UntilScope {
+        weak: bool,
+        x: Bit,
+        body: FutureRef,
+        inner: ContextId,
+    },
     /// `after_until` and `while`: the body, in every segment of the inner context, at the first X at or after the position.
-    Each { x: Bit, body: FutureRef, inner: ContextId },
+    Each {
+        x: Bit,
+        body: FutureRef,
+        inner: ContextId,
+    },
     /// What is false inside segments of a `before`, told only when its X comes; where it does not, true.
-    Gate { body: FutureRef, before: ContextId },
+    Gate {
+        body: FutureRef,
+        before: ContextId,
+    },
     /// A formula beyond the operators above (a scope that opens or closes on a future formula, an `until` of future formulas):
     /// evaluated anew from the values of its parts whenever something is new.
     Replay(Replay),
@@ -579,16 +671,27 @@ pub struct Property {
     pub judge: Judge,
     /// The topics that it reads, in whatever way.
     pub topics: Vec<usize>,
-    /// Silence of a topic for longer makes it inconclusive.
-    pub stale: Vec<(usize, Duration)>,
+    /// The silences that make it inconclusive.
+    pub stale: Vec<Silence>,
     /// The counters of NaN operands that are its.
     pub counters: Vec<u32>,
     /// How many scopes and `whenever`s it has.
     pub scopes: usize,
     /// Why it cannot be judged at all.
     pub problem: Option<String>,
-    /// What it waits for, in words: for each of [`Positions::reads`], then for each topic.
+    /// What it waits for, in words: for each of [`Positions::reads`].
     pub waits_for: Vec<String>,
+}
+
+/// A silence that is too long.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Silence {
+    /// Of what: a topic, or a signal that comes in rows.
+    pub of: Read,
+    /// What to call it.
+    pub name: String,
+    /// Longer than this.
+    pub limit: Duration,
 }
 
 /// Who judges a property.

@@ -161,7 +161,8 @@ impl Live {
     /// Joins a neighbouring episode: the one that failed first gives the beginning.
     fn absorb(&mut self, other: &Live) {
         if (other.episode.failed, other.first) < (self.episode.failed, self.first) {
-            (self.first, self.episode.began, self.episode.failed) = (other.first, other.episode.began, other.episode.failed);
+            (self.first, self.episode.began, self.episode.failed) =
+                (other.first, other.episode.began, other.episode.failed);
         }
         self.episode.until = self.episode.until.max(other.episode.until);
         self.episode.count += other.episode.count;

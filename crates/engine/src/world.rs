@@ -166,10 +166,7 @@ fn difference(before: Pose, after: Pose, seconds: f64) -> Twist {
 
 fn compose(outer: Pose, inner: Pose) -> Pose {
     let turned = rotate(inner.position, outer.turn);
-    Pose {
-        position: core::array::from_fn(|i| outer.position[i] + turned[i]),
-        turn: product(outer.turn, inner.turn),
-    }
+    Pose { position: core::array::from_fn(|i| outer.position[i] + turned[i]), turn: product(outer.turn, inner.turn) }
 }
 
 fn inverse(pose: Pose) -> Pose {

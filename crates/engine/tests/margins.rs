@@ -12,7 +12,7 @@ fn program(text: &str) -> Program {
     let mut sources = SourceMap::default();
     let file = sources.add("margins.rv", text.to_owned());
     let loaded = load(&mut sources, lapwing_syntax::parse(file, text).file, &|_| None);
-    let shape = TraceShape { columns: vec!["x".into()], ..TraceShape::default() };
+    let shape = TraceShape { columns: vec!["x".into()], schemaless: true, ..TraceShape::default() };
     let checked = check(&sources, &loaded, Some(&shape));
     assert!(!checked.has_errors(), "{text}: {:?}", checked.diagnostics);
     compile(&checked.spec)

@@ -48,7 +48,10 @@ fn step(k: usize) -> Vec<(i64, Arrival)> {
         all.push((at + MS, Arrival::Message("/m", Value::Num(x))));
     }
     if n % 5 == 0 {
-        all.push((at + 2 * MS, Arrival::Message("/scan", Value::Nums((0..8 + n % 9).map(|i| 0.5 + i as f64).collect()))));
+        all.push((
+            at + 2 * MS,
+            Arrival::Message("/scan", Value::Nums((0..8 + n % 9).map(|i| 0.5 + i as f64).collect())),
+        ));
         all.push((at + 3 * MS, Arrival::Message("/mode", Value::from(["auto", "automatic, more or less"][n / 5 % 2]))));
     }
     let robot = || ("robot", Value::from(["r1", "r2", "a robot with a long name"][n % 3]));

@@ -205,7 +205,8 @@ impl<'s> Run<'s> {
         });
         let unmeasured = self.unmeasured.iter().map(|name| {
             let limit = self.program.margin_limit;
-            Warning::plain(format!("{name} has no margin: more than {limit} values would have to be kept until the end"))
+            let why = format!("more than {limit} values would have to be kept until the end");
+            Warning::plain(format!("{name} has no margin: {why}"))
         });
         unseen.chain(latched).chain(unmeasured).collect()
     }

@@ -47,7 +47,8 @@ impl<'s> Session<'s> {
         let recording = lapwing_record::open(trace, how)?;
         let shape = shape::of(&recording);
         let mut wants = Wants::default();
-        let runs: Vec<Run> = specs.iter().map(|spec| Run::new(spec, spec.against(&shape), options.margins, &mut wants)).collect();
+        let runs: Vec<Run> =
+            specs.iter().map(|spec| Run::new(spec, spec.against(&shape), options.margins, &mut wants)).collect();
         let mut report = blank(specs, trace);
         report.properties = runs.iter().flat_map(|run| run.blanks.clone()).collect();
         report.topics = topics(&runs, &recording);

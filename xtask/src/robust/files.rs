@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use lapwing_record::{Decoder, Dialect, Item, Library, Limits, MessageType, Options, Part, Path, TimeSource, Wanted, open};
+use lapwing_record::{
+    Decoder, Dialect, Item, Library, Limits, MessageType, Options, Part, Path, TimeSource, Wanted, open,
+};
 use lapwing_stream::{Duration, Schema, Type};
 
 /// At most so many fields are asked for, and so many items read.
@@ -59,11 +61,14 @@ fn recording(magic: &[u8], data: &[u8]) {
     let most = options.limits.losses + 1;
     let Ok(recording) = open(&file.0, options) else { return };
     let topics = recording.topics().iter();
-    let wanted: Vec<Wanted> = topics.map(|t| Wanted { topic: t.name.clone(), fields: paths(t.schema.as_deref().ok()) }).collect();
+    let wanted: Vec<Wanted> =
+        topics.map(|t| Wanted { topic: t.name.clone(), fields: paths(t.schema.as_deref().ok()) }).collect();
     let mut reader = recording.read(&wanted);
     for _ in 0..ITEMS {
         match reader.next() {
-            Some(Ok(Item::Message { wanted: Some(topic), values, .. })) => assert_eq!(values.len(), wanted[topic].fields.len()),
+            Some(Ok(Item::Message { wanted: Some(topic), values, .. })) => {
+                assert_eq!(values.len(), wanted[topic].fields.len())
+            }
             Some(Ok(_)) => {}
             Some(Err(_)) | None => break,
         }

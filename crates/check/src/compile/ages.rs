@@ -21,7 +21,9 @@ pub(crate) fn of_property(spec: &checked::Spec, property: &checked::Property, fo
 /// The flips at which a machine may enter or leave a state, where that is what the event is.
 fn of_event(spec: &checked::Spec, event: usize) -> Vec<AgeFlips> {
     match spec.events[event].source {
-        EventSource::Entered { machine, .. } | EventSource::Left { machine, .. } => of_machine(spec, &spec.machines[machine]),
+        EventSource::Entered { machine, .. } | EventSource::Left { machine, .. } => {
+            of_machine(spec, &spec.machines[machine])
+        }
         _ => Vec::new(),
     }
 }
@@ -90,7 +92,9 @@ pub(crate) fn constant(e: &Expr) -> Option<f64> {
                 Arith::Div => l / r,
             }
         }
-        Kind::Call(func, args) if !matches!(func, Func::Len | Func::Lookup | Func::MinOf | Func::MaxOf | Func::IsNan) => {
+        Kind::Call(func, args)
+            if !matches!(func, Func::Len | Func::Lookup | Func::MinOf | Func::MaxOf | Func::IsNan) =>
+        {
             let args: Option<Vec<_>> = args.iter().map(constant).collect();
             lapwing_engine::numeric(super::expr::func(*func), &args?)
         }

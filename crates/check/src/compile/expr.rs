@@ -175,7 +175,12 @@ impl<'c> Lowering<'c> {
             Kind::Rate(of) => Op::Rate(self.expr(of)),
             Kind::Window(checked::Window::Count, of, duration) => Op::Count(self.formula(of), *duration),
             Kind::Window(window, of, duration) => Op::Window(self::window(*window), self.expr(of), *duration),
-            Kind::Previously(_) | Kind::Becomes(_) | Kind::Held(..) | Kind::Once(..) | Kind::Historically(..) | Kind::Since(..) => {
+            Kind::Previously(_)
+            | Kind::Becomes(_)
+            | Kind::Held(..)
+            | Kind::Once(..)
+            | Kind::Historically(..)
+            | Kind::Since(..) => {
                 let bit = self.formula(e);
                 return self.node(Node::Bit(bit));
             }

@@ -264,23 +264,24 @@ fn topics_of(spec: &checked::Spec, property: &checked::Property) -> Vec<usize> {
 
 fn topics_of_object(object: &checked::Object) -> Vec<usize> {
     match &object.source {
-        ObjectSource::ModelStates { topic, .. } | ObjectSource::Odometry { topic, .. } | ObjectSource::Pose { topic, .. } => {
+        ObjectSource::ModelStates { topic, .. }
+        | ObjectSource::Odometry { topic, .. }
+        | ObjectSource::Pose { topic, .. } => {
             vec![*topic]
         }
         ObjectSource::Tf { topics, .. } => topics.iter().map(|(topic, _)| *topic).collect(),
     }
 }
 
-/// The topics whose silence a property minds: those of the signals in its formula and in the machines that it reads, with a default
-/// or without.
-fn stale(spec: &checked::Spec, property: &checked::Property) -> Vec<(usize, lapwing_stream::Duration)> {
+/// The silences that a property minds: of the signals in its formula and in the machines that it reads, with a default or without.
+fn stale(spec: &checked::Spec, property: &checked::Property) -> Vec<engine::Silence> {
     let mut stale = Vec::new();
     let mut visit = |e: &Expr| {
         if let Kind::Input(i) = e.kind
-            && let (InputSource::Field { topic, .. }, Some(limit)) = (&spec.inputs[i].source, spec.inputs[i].stale)
-            && !stale.contains(&(*topic, limit))
+            && let Some(silence) = silence(spec, i)
+            && !stale.contains(&silence)
         {
-            stale.push((*topic, limit));
+            stale.push(silence);
         }
     };
     let machines: &[usize] = match &property.body {
@@ -295,16 +296,27 @@ fn stale(spec: &checked::Spec, property: &checked::Property) -> Vec<(usize, lapw
     stale
 }
 
-/// What a property waits for, in words: each read, then each topic.
+/// The silence that an input minds: its topic's, or, where it comes in rows, its own.
+fn silence(spec: &checked::Spec, input: usize) -> Option<engine::Silence> {
+    let limit = spec.inputs[input].stale?;
+    let (of, name) = match spec.inputs[input].source {
+        InputSource::Field { topic, .. } => (engine::Read::Topic(topic), spec.topics[topic].name.clone()),
+        InputSource::Column(column) => (engine::Read::Slot(input), spec.columns[column].clone()),
+        InputSource::World { .. } => return None,
+    };
+    Some(engine::Silence { of, name, limit })
+}
+
+/// What a property waits for, in words.
 fn waits_for(spec: &checked::Spec, reads: &[checked::Read]) -> Vec<String> {
     let of_input = |input: &checked::Input| match input.source {
         InputSource::Field { topic, .. } => spec.topics[topic].name.clone(),
         InputSource::Column(column) => spec.columns[column].clone(),
         InputSource::World { object, .. } => format!("ground truth of {}", spec.objects[object].name),
     };
-    let reads = reads.iter().map(|r| match r.what {
+    let words = |r: &checked::Read| match r.what {
         ReadOf::Input(i) => spec.inputs.get(i).map_or(String::new(), of_input),
         ReadOf::Topic(t) => spec.topics[t].name.clone(),
-    });
-    reads.chain(spec.topics.iter().map(|t| t.name.clone())).collect()
+    };
+    reads.iter().map(words).collect()
 }

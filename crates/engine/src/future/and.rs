@@ -44,7 +44,8 @@ impl State {
                 self.open[i].to = to;
                 self.open.insert(i + 1, Run { from: to + 1, ..run });
             }
-            let now = Run { from, to, left: run.left || (is_left && d.value), right: run.right || (!is_left && d.value) };
+            let now =
+                Run { from, to, left: run.left || (is_left && d.value), right: run.right || (!is_left && d.value) };
             if !d.value || (now.left && now.right) {
                 out.push(Decided { from, to, value: d.value });
                 self.open.remove(i);

@@ -1,16 +1,25 @@
 //! Formulas beyond the other nodes: scopes that open or close on a future formula, `until` between future formulas.
 //!
 //! Their state formulas are stored, position by position, and the formula is evaluated anew at every open position whenever
-//! something is new. That costs, at worst, the square of what is open; it is bounded by the limit on open runs, which counts every
-//! stored position. Such formulas are rare, and their meaning subtle enough for the plainest evaluation to be the best.
+//! something is new. That costs, at worst, a power of what is open, the deeper the formula the higher. The limit on open runs counts
+//! every stored position, and what takes too many or too much work is given up, as if more runs were open than any limit allows. Such
+//! formulas are rare, and their meaning subtle enough for the plainest evaluation to be the best.
 
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
+use core::cell::Cell;
 
 use super::{Decided, Moment, Pass};
 use crate::program::{Bound, Replay, Term};
 use crate::runs::Runs;
 use crate::times::Pos;
+
+/// A formula is given up that takes more evaluations of its terms than this when something is new.
+const MOST_WORK: usize = 1 << 20;
+/// A formula is given up that keeps more positions than this.
+const MOST_STORED: usize = 1 << 16;
+/// What is given up counts as so many runs: more than any limit, and few enough to be added up.
+const TOO_MANY: usize = usize::MAX >> 8;
 
 /// The stamps and the values of the state formulas at the positions from the oldest undecided one on.
 #[derive(Clone, Debug, Default)]
@@ -23,11 +32,12 @@ pub(crate) struct State {
     values: VecDeque<bool>,
     open: Runs,
     deadline: Option<(i64, bool)>,
+    is_given_up: bool,
 }
 
 impl State {
     pub fn runs(&self) -> usize {
-        self.stored.len()
+        if self.is_given_up { TOO_MANY } else { self.stored.len() }
     }
 
     pub fn oldest(&self) -> Option<Pos> {
@@ -44,13 +54,21 @@ impl State {
 
     /// Decides what can be decided.
     fn decide(&mut self, formula: &Replay, end: End, limit: (i64, bool), out: &mut Vec<Decided>) {
-        let asking = Asking { formula, first: self.first, stored: &self.stored, values: &self.values, limit };
+        let asking = Asking {
+            formula,
+            first: self.first,
+            stored: &self.stored,
+            values: &self.values,
+            limit,
+            work: Cell::new(0),
+        };
         let segment = Segment { hi: self.next(), end };
         let top = formula.terms.len().saturating_sub(1);
         out.extend(self.open.iter().flat_map(|(a, b)| a..=b).filter_map(|k| {
             let value = asking.term(top, k, segment)?;
             Some(Decided { from: k, to: k, value })
         }));
+        self.is_given_up = asking.work.get() > MOST_WORK || self.stored.len() > MOST_STORED;
     }
 
     /// What is decided need not be stored, nor what lies before the oldest open position.
@@ -90,6 +108,10 @@ impl State {
 }
 
 pub(crate) fn step(state: &mut State, context: u32, formula: &Replay, pass: &Pass<'_>, out: &mut Vec<Decided>) {
+    if state.is_given_up {
+        state.clear();
+        return;
+    }
     if let Some(n) = pass.position(context) {
         if state.stored.is_empty() {
             state.first = n;
@@ -166,6 +188,8 @@ struct Asking<'a> {
     values: &'a VecDeque<bool>,
     /// Bounds that end before this are over.
     limit: (i64, bool),
+    /// How often a term was evaluated.
+    work: Cell<usize>,
 }
 
 fn and(a: Option<bool>, b: Option<bool>) -> Option<bool> {
@@ -191,6 +215,7 @@ impl Asking<'_> {
 
     /// A term at position `k` of a segment.
     fn term(&self, term: usize, k: Pos, s: Segment) -> Option<bool> {
+        self.work.set(self.work.get() + 1);
         match self.formula.terms[term] {
             Term::Leaf(i) => Some(self.leaf(i, k)),
             Term::Not(f) => self.term(f, k, s).map(|x| !x),
@@ -200,7 +225,13 @@ impl Asking<'_> {
             Term::Eventually(b, f) => self.eventually(&b, f, k, s, false),
             Term::Always(b, f) => self.eventually(&b, f, k, s, true).map(|x| !x),
             Term::Next(f) if k + 1 < s.hi => self.term(f, k + 1, s),
-            Term::Next(_) => if s.end == End::Closed { Some(false) } else { None },
+            Term::Next(_) => {
+                if s.end == End::Closed {
+                    Some(false)
+                } else {
+                    None
+                }
+            }
             Term::Until(b, l, r) => self.until(&b, l, r, k, s),
             Term::After(x, f) => match self.first(x, false, k, s) {
                 First::At(j) => self.term(f, j, s),
@@ -215,8 +246,12 @@ impl Asking<'_> {
                 let (comes, body) = self.up_to(x, f, k, s);
                 or(comes.map(|c| !c), body)
             }
-            Term::AfterUntil(x, y, f) => self.each(k, s, f, |from| self.first(x, false, from, s), |from| self.first(y, false, from, s), 1),
-            Term::While(x, f) => self.each(k, s, f, |from| self.first(x, false, from, s), |from| self.first(x, true, from, s), 0),
+            Term::AfterUntil(x, y, f) => {
+                self.each(k, s, f, |from| self.first(x, false, from, s), |from| self.first(y, false, from, s), 1)
+            }
+            Term::While(x, f) => {
+                self.each(k, s, f, |from| self.first(x, false, from, s), |from| self.first(x, true, from, s), 0)
+            }
         }
     }
 
@@ -283,7 +318,11 @@ impl Asking<'_> {
             First::At(j) => (Some(true), self.term(f, k, Segment { hi: j, end: End::Closed })),
             First::Unknown(u) => {
                 let comes = (u..s.hi).any(|j| self.term(x, j, s) == Some(true));
-                let body = if u == k { None } else { self.term(f, k, Segment { hi: u, end: End::Undetermined { from: self.stamp(u) } }) };
+                let body = if u == k {
+                    None
+                } else {
+                    self.term(f, k, Segment { hi: u, end: End::Undetermined { from: self.stamp(u) } })
+                };
                 (comes.then_some(true), body)
             }
             First::Nowhere => (self.nothing_more(s).map(|_| false), self.term(f, k, s)),
@@ -315,7 +354,11 @@ impl Asking<'_> {
                     from = end + skip;
                 }
                 First::Unknown(u) => {
-                    let body = if u == start { None } else { self.term(f, start, Segment { hi: u, end: End::Undetermined { from: self.stamp(u) } }) };
+                    let body = if u == start {
+                        None
+                    } else {
+                        self.term(f, start, Segment { hi: u, end: End::Undetermined { from: self.stamp(u) } })
+                    };
                     return and(and(all, body), None);
                 }
                 First::Nowhere => {

@@ -18,15 +18,29 @@ pub(super) enum Memory {
     /// The margin at the position before.
     Before(Option<f64>),
     /// The latest margins, a ring: `at` is the oldest.
-    Ring { values: Vec<f64>, at: usize },
+    Ring {
+        values: Vec<f64>,
+        at: usize,
+    },
     /// The margins that have not reached the lower end of the bound, and those that have.
-    Once { pending: VecDeque<(i64, f64)>, reached: Peak },
+    Once {
+        pending: VecDeque<(i64, f64)>,
+        reached: Peak,
+    },
     /// The best way to have `left since right`, and whether one stands on a right margin that was skipped.
-    Since { best: f64, is_blank: bool },
+    Since {
+        best: f64,
+        is_blank: bool,
+    },
     /// The same within a bound: each way by the stamp of its right side.
     Ways(VecDeque<(i64, f64)>),
     /// The stamp of position 0; the stamps in the window, from the position with that number on; the margins, negated.
-    Held { began: Option<i64>, stamps: VecDeque<i64>, first: i64, worst: Peak },
+    Held {
+        began: Option<i64>,
+        stamps: VecDeque<i64>,
+        first: i64,
+        worst: Peak,
+    },
 }
 
 impl Memory {
@@ -38,9 +52,7 @@ impl Memory {
             Op::Once(..) => Memory::Once { pending: VecDeque::new(), reached: Peak::default() },
             Op::Since(Bound::ALL, ..) => Memory::Since { best: IMPOSSIBLE, is_blank: false },
             Op::Since(..) => Memory::Ways(VecDeque::new()),
-            Op::Held(..) => {
-                Memory::Held { began: None, stamps: VecDeque::new(), first: 0, worst: Peak::default() }
-            }
+            Op::Held(..) => Memory::Held { began: None, stamps: VecDeque::new(), first: 0, worst: Peak::default() },
             Op::Distance { .. } | Op::Holds(_) | Op::Not(_) | Op::And(..) | Op::Or(..) => Memory::None,
         }
     }
@@ -120,7 +132,11 @@ fn look_back(now: f64, values: &mut [f64], at: &mut usize) -> f64 {
 fn once(bound: &Bound, now: i64, value: f64, pending: &mut VecDeque<(i64, f64)>, reached: &mut Peak) -> f64 {
     pending.push_back((now, value));
     while let Some(&(stamp, value)) = pending.front().filter(|(stamp, _)| bound.begun(now.saturating_sub(*stamp))) {
-        if bound.has_end() { reached.push(stamp, value) } else { reached.raise(value) }
+        if bound.has_end() {
+            reached.push(stamp, value)
+        } else {
+            reached.raise(value)
+        }
         pending.pop_front();
     }
     if bound.has_end() {
@@ -191,7 +207,9 @@ mod tests {
     fn since_forgets_no_break_of_its_left_operand() {
         let (mut best, mut is_blank, mut ways) = (IMPOSSIBLE, false, VecDeque::new());
         let within = Bound { hi: 100, ..Bound::ALL };
-        for (now, (left, right, expected)) in [(5.0, 2.0, 2.0), (1.0, -3.0, 1.0), (4.0, -2.0, 1.0)].into_iter().enumerate() {
+        for (now, (left, right, expected)) in
+            [(5.0, 2.0, 2.0), (1.0, -3.0, 1.0), (4.0, -2.0, 1.0)].into_iter().enumerate()
+        {
             assert_eq!(since(left, right, &mut best, &mut is_blank), expected);
             assert_eq!(since_within(&within, now as i64, left, right, &mut ways), expected);
         }

@@ -31,7 +31,13 @@ pub type Reg = u32;
 #[allow(missing_docs)]
 pub enum Op {
     /// How far a comparison is from changing; where a side is no number, by its truth.
-    Distance { op: Compare, margin: Option<NodeId>, left: NodeId, right: NodeId, holds: NodeId },
+    Distance {
+        op: Compare,
+        margin: Option<NodeId>,
+        left: NodeId,
+        right: NodeId,
+        holds: NodeId,
+    },
     /// An expression that is true or false, by nothing.
     Holds(NodeId),
     Not(Reg),
@@ -68,12 +74,29 @@ pub enum Term {
     Next(Box<Term>),
     Eventually(Bound, Box<Term>),
     Until(Bound, Box<Term>, Box<Term>),
-    After { x: Box<Term>, body: Box<Term> },
+    After {
+        x: Box<Term>,
+        body: Box<Term>,
+    },
     /// `comes` is X again, by its margin.
-    UntilScope { x: Box<Term>, comes: Box<Term>, body: Box<Term> },
-    Before { x: Box<Term>, body: Box<Term> },
-    While { x: Box<Term>, body: Box<Term> },
-    AfterUntil { x: Box<Term>, y: Box<Term>, body: Box<Term> },
+    UntilScope {
+        x: Box<Term>,
+        comes: Box<Term>,
+        body: Box<Term>,
+    },
+    Before {
+        x: Box<Term>,
+        body: Box<Term>,
+    },
+    While {
+        x: Box<Term>,
+        body: Box<Term>,
+    },
+    AfterUntil {
+        x: Box<Term>,
+        y: Box<Term>,
+        body: Box<Term>,
+    },
 }
 
 /// Obligations in a segment; the margin of a property is the least of theirs. An `x` or `y` is a column of truth values.

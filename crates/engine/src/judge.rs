@@ -1,0 +1,174 @@
+//! The verdicts: what is said of each property when a piece of trace is over.
+
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+
+use lapwing_stream::{Time, Verdict};
+
+use crate::feed::{Ending, INSTANCES, Instances, Piece};
+use crate::group::{Core, Walk};
+use crate::margin::Measured;
+use crate::node::Notes;
+use crate::outcome::{Episode, Outcome};
+use crate::program::{Group, Judge, Positions, Program};
+use crate::tracker::can_add;
+
+impl Piece {
+    /// What is said of a property: one outcome, or one per instance.
+    pub(crate) fn judge(&self, program: &Program, number: usize, ending: &Ending) -> Vec<Outcome> {
+        let property = &program.properties[number];
+        let blank =
+            |cause: String| alloc::vec![Outcome { cause: Some(cause), ..Outcome::blank(number, property.scopes) }];
+        if let Some(problem) = &property.problem {
+            return blank(problem.clone());
+        }
+        match property.judge {
+            Judge::Nobody => blank("nothing judges it".to_string()),
+            _ if self.last.is_none() => blank("the trace has no message".to_string()),
+            Judge::Machine(m) => alloc::vec![self.machine_outcome(program, number, m, ending)],
+            Judge::Group(g) => {
+                let Instances { cores, seen, .. } = &self.groups[g];
+                let instances = seen.iter().map(|&i| &cores[i]);
+                instances.map(|core| self.core_outcome(program, number, &program.groups[g], core, ending)).collect()
+            }
+        }
+    }
+
+    fn machine_outcome(&self, program: &Program, number: usize, machine: usize, ending: &Ending) -> Outcome {
+        let memory = &self.machines[machine];
+        let mut outcome = Outcome {
+            met: memory.met,
+            failed: memory.failed,
+            episodes: sorted(memory.episodes.clone()),
+            positions: memory.positions,
+            nans: self.nans(program, number, &memory.walk.notes),
+            ..Outcome::blank(number, 0)
+        };
+        let at = &program.machines[machine].at;
+        outcome.cause = self.cause(program, number, at, &memory.walk, ending);
+        let limit = memory.deadline(&program.machines[machine], machine, &self.inputs);
+        outcome.open = u64::from(limit.is_some());
+        let missed = limit.is_some_and(|limit| Some(limit) <= self.last);
+        outcome.unmet_since = missed.then(|| memory.since());
+        outcome.settle(missed, false, ending);
+        outcome
+    }
+
+    fn core_outcome(&self, program: &Program, number: usize, plan: &Group, core: &Core, ending: &Ending) -> Outcome {
+        let scopes = program.properties[number].scopes;
+        let of_property = || plan.trackers.iter().zip(&core.trackers).filter(|(t, _)| t.property == number);
+        let mut outcome = Outcome {
+            instance: core.key.iter().flatten().cloned().collect(),
+            entered: core.entered(plan, number, scopes),
+            positions: core.positions,
+            nans: self.nans(program, number, &core.walk.notes),
+            ..Outcome::blank(number, scopes)
+        };
+        let last = self.last.unwrap_or_default();
+        let mut more_to_come = false;
+        for (tracker, state) in of_property() {
+            outcome.met += state.met;
+            outcome.failed += state.failed;
+            outcome.open += state.open.positions();
+            outcome.episodes.extend_from_slice(&state.done);
+            outcome.unmet_since = match (outcome.unmet_since, state.unmet_since.map(Time)) {
+                (Some(a), Some(b)) => Some(a.min(b)),
+                (a, b) => a.or(b),
+            };
+            more_to_come |= can_add(tracker, &plan.contexts, &core.graph.segments, last);
+        }
+        outcome.episodes = sorted(outcome.episodes);
+        let missed = outcome.unmet_since.is_some()
+            || (core.positions == 0 && of_property().any(|(tracker, _)| tracker.missed_if_empty));
+        outcome.cause = self.cause(program, number, &plan.at, &core.walk, ending);
+        if core.overflowed && outcome.cause.is_none() {
+            outcome.cause = Some(format!("more than {} runs of obligations were open at once", program.open_limit));
+        }
+        if self.groups.iter().any(|g| g.too_many) && !plan.at.slices.is_empty() && outcome.cause.is_none() {
+            outcome.cause = Some(format!("more than {INSTANCES} values were seen"));
+        }
+        outcome.settle(missed, !more_to_come, ending);
+        if let Some(margins) = &core.margins {
+            outcome.set_margin(margins.of(&plan.margins, number, last));
+        }
+        outcome
+    }
+
+    /// Why a property that did not fail cannot be judged.
+    fn cause(&self, program: &Program, number: usize, at: &Positions, walk: &Walk, ending: &Ending) -> Option<String> {
+        let property = &program.properties[number];
+        if let Some((_, why)) = ending.lost.iter().find(|(topic, _)| property.topics.contains(topic)) {
+            return Some(why.clone());
+        }
+        if at.alphabet.is_none() && !walk.started {
+            let names: Vec<_> = walk.missing(at).filter_map(|i| property.waits_for.get(i)).cloned().collect();
+            return Some(match names.is_empty() {
+                true => "it never had a position".to_string(),
+                false => format!("no value ever came: {}", names.join(", ")),
+            });
+        }
+        if let Some((silence, from, to)) = self.stale[number] {
+            let name = property.stale.get(silence).map_or("a topic", |s| &*s.name);
+            return Some(format!("{name} was silent from {} to {}", Time(from), Time(to)));
+        }
+        walk.notes.fault.get().map(|_| "a value was of another kind than the formula needs".to_string())
+    }
+
+    fn nans(&self, program: &Program, number: usize, notes: &Notes) -> u64 {
+        let counters = &program.properties[number].counters;
+        counters.iter().filter_map(|&c| notes.nans.get(c as usize)).map(|n| n.get()).sum()
+    }
+}
+
+impl Outcome {
+    /// Nothing is known yet.
+    pub(crate) fn blank(property: usize, scopes: usize) -> Outcome {
+        Outcome {
+            property,
+            instance: Vec::new(),
+            verdict: Verdict::Inconclusive,
+            cause: None,
+            vacuous: false,
+            entered: alloc::vec![0; scopes],
+            met: 0,
+            failed: 0,
+            open: 0,
+            episodes: Vec::new(),
+            unmet_since: None,
+            nans: 0,
+            positions: 0,
+            margin: None,
+            margin_gave_up: false,
+        }
+    }
+
+    fn set_margin(&mut self, measured: Measured) {
+        (self.margin, self.margin_gave_up) = (measured.margin, measured.gave_up);
+    }
+
+    /// The verdict, from the counts and the cause: whether something was missed, and whether no obligation can be added any more.
+    fn settle(&mut self, missed: bool, is_complete: bool, ending: &Ending) {
+        if missed && self.cause.is_none() {
+            self.cause.clone_from(&ending.broke_off);
+        }
+        self.verdict = match () {
+            () if self.failed > 0 => Verdict::Violated,
+            () if self.cause.is_some() => Verdict::Inconclusive,
+            () if missed => Verdict::Unmet,
+            () if self.open == 0 && is_complete => Verdict::Satisfied,
+            () => Verdict::Holds,
+        };
+        self.vacuous = self.verdict.is_success() && self.entered.contains(&0);
+        if self.verdict != Verdict::Inconclusive {
+            // A violation stands, whatever else was not seen.
+            self.cause = None;
+        }
+    }
+}
+
+/// By the time of the first failure, then of beginning, then in the order of the text.
+fn sorted(mut episodes: Vec<Episode>) -> Vec<Episode> {
+    episodes.sort_by_key(|e| (e.failed, e.began));
+    episodes
+}
