@@ -5,6 +5,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use lapwing_engine::program::Clock;
+use lapwing_engine::{Ending, Program, State};
+use lapwing_stream::{Sample, Time, What};
 use xtask::robust::{TARGETS, Target, target};
 
 /// No input may take longer, whatever the machine is doing besides.
@@ -131,9 +134,22 @@ fn mutated_definitions_and_messages() {
 #[test]
 fn samples_that_lie() {
     let mut random = Random(7);
-    all_survive((0..1500).map(|n: u64| {
+    all_survive((0..600).map(|n: u64| {
         let mut input = n.to_be_bytes().to_vec();
         input.extend(random.bytes(160));
         (target("step"), "step".to_owned(), input)
     }));
+}
+
+#[test]
+fn a_rate_comes_to_an_end_at_the_end_of_time() {
+    let program = Program { clock: Clock::Rate(10), ..Program::default() };
+    for first in [i64::MIN, 0, i64::MAX - 1, i64::MAX] {
+        let mut state = State::new(&program);
+        for time in [first, i64::MAX] {
+            state.feed(&program, Sample { time: Time(time), what: What::Row { cells: &[] } }, &mut ());
+            state.next_deadline(&program);
+        }
+        state.finish(&program, &Ending::default(), &mut ());
+    }
 }

@@ -87,8 +87,10 @@ pub struct Check {
     /// Stop reading a recording at its first violation
     #[arg(long)]
     pub until_first_violation: bool,
-    /// Say by how much each property missed failing, or missed not failing (negative): for `never speed > 2.0` and a greatest speed of
-    /// 1.8 the margin is 0.2. Truth values count as ∞; where a property compares metres and seconds there is none. Takes time and memory
+    /// Say by how much each property missed changing its verdict
+    ///
+    /// Where the speed reaches 1.8, `never speed > 2.0` holds with a margin of 0.2; where it reaches 2.31, it fails with -0.31. What is just
+    /// true or false counts as ±∞. A property that compares metres here and radians there has no margin. It takes time and memory.
     #[arg(long)]
     pub margins: bool,
     /// How many recordings to check at once [default: one per core]

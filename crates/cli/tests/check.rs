@@ -271,10 +271,15 @@ fn an_instance_over_topics_is_made_for_a_topic_that_appears_late() {
     let mut trace: String = (0..20_000).map(|t| message(t, "r1", 1.0)).collect();
     assert!(trace.len() > 1 << 20);
     trace += &message(20_000, "r2", 3.0);
-    let folder = Folder::new(&[("spec.rv", "v: for each r in topics /{r}/odom: never r.odom.twist.twist.linear.x > 2\n")]);
+    let folder =
+        Folder::new(&[("spec.rv", "v: for each r in topics /{r}/odom: never r.odom.twist.twist.linear.x > 2\n")]);
     folder.write("late.ndjson", trace.as_bytes());
     let run = folder.lapwing("check spec.rv late.ndjson --format json");
     let reports: Value = serde_json::from_str(&run.stdout).unwrap();
-    let verdicts: Vec<_> = reports[0]["properties"].as_array().unwrap().iter().map(|p| (&p["name"], &p["verdict"])).collect();
-    assert_eq!(format!("{verdicts:?}"), "[(String(\"v[r1]\"), String(\"holds\")), (String(\"v[r2]\"), String(\"violated\"))]");
+    let verdicts: Vec<_> =
+        reports[0]["properties"].as_array().unwrap().iter().map(|p| (&p["name"], &p["verdict"])).collect();
+    assert_eq!(
+        format!("{verdicts:?}"),
+        "[(String(\"v[r1]\"), String(\"holds\")), (String(\"v[r2]\"), String(\"violated\"))]"
+    );
 }

@@ -220,12 +220,12 @@ impl Piece {
         }
     }
 
-    /// The time of the next instant of a rate.
+    /// The time of the next instant of a rate; there is none beyond the end of time.
     fn next_tick(&self, program: &Program) -> Option<i64> {
         match (program.clock, self.t0) {
             (Clock::Rate(rate), Some(t0)) => {
                 let since = i128::from(self.tick) * 1_000_000_000 / i128::from(rate.max(1));
-                Some(t0.saturating_add(since.min(i128::from(i64::MAX)) as i64))
+                i64::try_from(i128::from(t0) + since).ok()
             }
             _ => None,
         }

@@ -8,7 +8,7 @@ use lapwing_engine::program::{
 use super::ages::constant;
 use super::expr::{Lowered, Lowering, bound, compare};
 use super::replay::replay;
-use crate::checked::{Connective, Expr, Kind, Scope};
+use crate::checked::{Connective, Expr, Kind, Scope, Window};
 
 /// A group, as its properties are lowered one after the other.
 pub(crate) struct GroupLowering {
@@ -326,12 +326,21 @@ fn holds_on_nothing(f: &Expr) -> bool {
         Kind::Always(..) | Kind::AfterUntil(..) | Kind::Historically(..) => true,
         Kind::Compare { op, margin, left, right } => {
             let margin = margin.as_deref().map_or(Some(0.0), constant);
-            match (constant(left), constant(right), margin) {
+            match (number_on_nothing(left), number_on_nothing(right), margin) {
                 (Some(l), Some(r), Some(m)) => lapwing_engine::compare(compare(*op), l, r, m),
                 _ => false,
             }
         }
         Kind::Scope(scope, ..) => *scope != Scope::Until,
         _ => false,
+    }
+}
+
+/// The value of an expression that needs no position: windows are empty.
+fn number_on_nothing(e: &Expr) -> Option<f64> {
+    match &e.kind {
+        Kind::Window(Window::Count, ..) => Some(0.0),
+        Kind::Window(..) => Some(f64::NAN),
+        _ => constant(e),
     }
 }

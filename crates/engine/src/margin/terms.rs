@@ -64,8 +64,12 @@ impl<'a> Stored<'a> {
             Term::Next(of) => self.next(self.values(of, span), span),
             Term::Eventually(bound, of) => self.eventually(bound, &self.values(of, span), span),
             Term::Until(bound, left, right) => {
-                let sides = self.each(left, right, span, |left, right| (left, right));
-                if *bound == Bound::ALL { until(sides) } else { self.until_within(bound, &sides, span) }
+                let (lefts, rights) = (self.values(left, span), self.values(right, span));
+                if *bound == Bound::ALL {
+                    until(&lefts, &rights)
+                } else {
+                    self.until_within(bound, &lefts, rights, span)
+                }
             }
             Term::After { x, body } => self.after(x, body, span),
             Term::UntilScope { x, comes, body } => self.until_scope(x, comes, body, span),
@@ -76,7 +80,7 @@ impl<'a> Stored<'a> {
     }
 
     /// Two formulas put together position by position.
-    fn each<T>(&self, a: &Term, b: &Term, span: Span, with: impl Fn(f64, f64) -> T) -> Vec<T> {
+    fn each(&self, a: &Term, b: &Term, span: Span, with: impl Fn(f64, f64) -> f64) -> Vec<f64> {
         let (a, b) = (self.values(a, span), self.values(b, span));
         a.into_iter().zip(b).map(|(a, b)| with(a, b)).collect()
     }
@@ -121,33 +125,40 @@ impl<'a> Stored<'a> {
         greatest
     }
 
-    // PERF: linear in the number of positions within the bound, unless the left operand ends the search.
-    fn until_within(&self, bound: &Bound, sides: &[(f64, f64)], span: Span) -> Vec<f64> {
-        let at = |k: usize| {
-            let (mut any, mut before) = (IMPOSSIBLE, CERTAIN);
-            for j in k..span.to {
-                let (left, right) = sides[j - span.from];
-                let distance = self.distance(k, j);
-                if !bound.not_over(distance) || before <= any {
-                    break;
-                }
-                if bound.begun(distance) {
-                    any = any.max(right.min(before));
-                }
-                before = before.min(left);
+    /// `until` within a bound: the best right side in the window, as far as `until` without a bound is that good from the first
+    /// position of the window on, and the left side is up to there. Beyond the window the left side can only have become worse, so
+    /// what is best there is no better than what the window has.
+    fn until_within(&self, bound: &Bound, lefts: &[f64], mut rights: Vec<f64>, span: Span) -> Vec<f64> {
+        // A right side that is skipped leaves the left sides alone to count.
+        rights.iter_mut().for_each(|right| *right = right.min(CERTAIN));
+        let mut values = self.eventually(bound, &rights, Span { is_cut: false, ..span });
+        let on = until(lefts, &rights);
+        // The left sides before the window, negated, and the worst of all from here on.
+        let (mut before, mut worst) = (Peak::default(), CERTAIN);
+        let mut first = span.to;
+        for k in span.positions().rev() {
+            let left = lefts[k - span.from];
+            worst = worst.min(left);
+            before.push(k as i64, opposite(left));
+            while first > k && bound.begun(self.distance(k, first - 1)) {
+                first -= 1;
             }
-            if self.is_open(bound, k, span) { any.max(before.min(UNKNOWN)) } else { any }
-        };
-        span.positions().map(at).collect()
+            before.forget(|j| j >= first as i64);
+            let open = if self.is_open(bound, k, span) { worst.min(UNKNOWN) } else { IMPOSSIBLE };
+            let on = on.get(first - span.from).copied().unwrap_or(IMPOSSIBLE);
+            let value = &mut values[k - span.from];
+            *value = value.min(on).min(opposite(before.greatest())).max(open);
+        }
+        values
     }
 }
 
 /// `until` without a bound, from the end: either the right side here, or the left side here and the rest one position later.
-fn until(sides: Vec<(f64, f64)>) -> Vec<f64> {
-    let mut values = alloc::vec![IMPOSSIBLE; sides.len()];
+fn until(lefts: &[f64], rights: &[f64]) -> Vec<f64> {
+    let mut values = alloc::vec![IMPOSSIBLE; lefts.len()];
     let mut best = IMPOSSIBLE;
-    for (value, (left, right)) in values.iter_mut().zip(sides).rev() {
-        best = right.min(CERTAIN).max(best.min(left));
+    for (value, (left, right)) in values.iter_mut().zip(lefts.iter().zip(rights)).rev() {
+        best = right.min(CERTAIN).max(best.min(*left));
         *value = best;
     }
     values
