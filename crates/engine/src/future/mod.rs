@@ -108,9 +108,12 @@ impl Pass<'_> {
     }
 }
 
-/// The bound of this kind ends at `at` for the positions with this stamp.
+/// When the bound ends for the positions with this stamp: never, where that is beyond the end of time.
 fn ends(bound: &Bound, stamp: i64) -> Option<(i64, bool)> {
-    bound.has_end().then(|| (stamp.saturating_add(bound.hi), bound.hi_closed))
+    if !bound.has_end() {
+        return None;
+    }
+    Some((stamp.checked_add(bound.hi)?, bound.hi_closed))
 }
 
 /// The state of a node.
