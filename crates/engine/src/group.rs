@@ -185,6 +185,9 @@ impl Core {
             return;
         }
         self.positions += 1;
+        if self.overflowed {
+            return;
+        }
         if plan.is_plain() { self.judge(plan, inputs, now, tell) } else { self.decide(plan, inputs, now, limit, tell) }
     }
 
@@ -253,7 +256,7 @@ impl Core {
         }
         // An open bound of no length at all is over where it begins.
         self.advance(plan, inputs, now, tell);
-        self.forget(n, limit);
+        self.forget(plan, n, limit);
     }
 
     /// Time goes on to `now`: bounds that end before are over, each at its own time.
@@ -288,12 +291,25 @@ impl Core {
     }
 
     /// Lets go of stamps that nothing can ask for, and looks whether too much is open.
-    fn forget(&mut self, n: u64, limit: usize) {
+    fn forget(&mut self, plan: &Group, n: u64, limit: usize) {
         let open = self.trackers.iter().filter_map(|t| t.open.first()).min();
         let keep = [self.graph.oldest(), open].into_iter().flatten().min().unwrap_or(n);
         self.times.forget_before(keep);
         let runs = self.graph.runs() + self.trackers.iter().map(|t| t.open.len()).sum::<usize>();
-        self.overflowed |= runs > limit;
+        if runs > limit {
+            self.give_up(plan);
+        }
+    }
+
+    /// Too much is open: from here on nothing is judged, and what was kept for it goes. Failures that were counted stand.
+    fn give_up(&mut self, plan: &Group) {
+        self.overflowed = true;
+        self.graph = Graph::new(&plan.contexts, &plan.futures);
+        self.times = Times::default();
+        for tracker in &mut self.trackers {
+            tracker.open.clear();
+            tracker.seal_all();
+        }
     }
 
     /// How often each scope of a property was entered.
