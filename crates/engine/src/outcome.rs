@@ -117,7 +117,7 @@ impl Outcome {
     pub(crate) fn cut_off_by_jump(&mut self) {
         if self.verdict == Verdict::Unmet {
             self.verdict = Verdict::Inconclusive;
-            self.cause = Some("time jumped back before what had to happen happened".into());
+            self.cause = Some("time jumped before what had to happen happened".into());
         }
     }
 
