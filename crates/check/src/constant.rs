@@ -3,8 +3,9 @@
 use lapwing_stream::Value;
 
 use crate::checked::{Arith, Dim, Expr, Func, Kind};
+use crate::compile;
 
-/// The number that an expression always is.
+/// The number that an expression always is, by the engine's own arithmetic.
 pub(crate) fn constant(expr: &Expr) -> Option<f64> {
     Some(match &expr.kind {
         Kind::Num(x) => *x,
@@ -18,10 +19,12 @@ pub(crate) fn constant(expr: &Expr) -> Option<f64> {
                 Arith::Div => l / r,
             }
         }
-        Kind::Call(Func::Abs, args) => constant(args.first()?)?.abs(),
-        Kind::Call(Func::Sqrt, args) => constant(args.first()?)?.sqrt(),
-        Kind::Call(Func::Rad, args) => constant(args.first()?)?.to_radians(),
-        Kind::Call(Func::Deg, args) => constant(args.first()?)?.to_degrees(),
+        Kind::Call(func, args)
+            if !matches!(func, Func::Len | Func::Lookup | Func::MinOf | Func::MaxOf | Func::IsNan) =>
+        {
+            let args: Option<Vec<_>> = args.iter().map(constant).collect();
+            lapwing_engine::numeric(compile::func(*func), &args?)
+        }
         _ => return None,
     })
 }

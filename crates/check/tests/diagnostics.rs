@@ -4,25 +4,10 @@ mod support;
 
 use expect_test::{Expect, expect};
 use support::shapes::{csv, robot};
-use support::{Spec, against, alone, check_with};
-
-fn faults(text: &str, expected: Expect) {
-    expected.assert_eq(&alone(text).codes());
-}
+use support::{against, alone, check_with, clean, faults, said};
 
 fn faults_on(text: &str, expected: Expect) {
     expected.assert_eq(&against(text, &robot()).codes());
-}
-
-fn clean(text: &str) {
-    let spec = alone(text);
-    assert_eq!(spec.messages(), "", "{text}");
-}
-
-fn said(spec: &Spec) -> String {
-    let diagnostics = spec.checked.diagnostics.iter();
-    let help = |d: &lapwing_diag::Diagnostic| d.help.iter().map(|h| format!("  {h}\n")).collect::<String>();
-    diagnostics.map(|d| format!("{}\n  {}\n{}", d.message, d.primary.text, help(d))).collect()
 }
 
 #[test]

@@ -2,23 +2,8 @@
 
 mod support;
 
-use expect_test::{Expect, expect};
-use support::{Spec, alone};
-
-fn faults(text: &str, expected: Expect) {
-    expected.assert_eq(&alone(text).codes());
-}
-
-fn clean(text: &str) {
-    let spec = alone(text);
-    assert_eq!(spec.messages(), "", "{text}");
-}
-
-fn said(spec: &Spec) -> String {
-    let diagnostics = spec.checked.diagnostics.iter();
-    let help = |d: &lapwing_diag::Diagnostic| d.help.iter().map(|h| format!("  {h}\n")).collect::<String>();
-    diagnostics.map(|d| format!("{}\n  {}\n{}", d.message, d.primary.text, help(d))).collect()
-}
+use expect_test::expect;
+use support::{alone, clean, faults, said};
 
 #[test]
 fn float_equality() {

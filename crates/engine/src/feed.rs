@@ -26,6 +26,8 @@ pub struct State {
     /// What the pieces before the latest jump came to.
     before: Option<Vec<Outcome>>,
     jumps: Vec<(Time, Time)>,
+    /// The instants and, per topic, the messages of the pieces before the latest jump.
+    counted: (u64, Vec<(u64, u64)>),
     /// Whether margins are computed.
     measures: bool,
 }
@@ -81,7 +83,13 @@ pub struct Ending {
 impl State {
     /// Nothing has come yet.
     pub fn new(program: &Program) -> State {
-        State { piece: Piece::new(program), before: None, jumps: Vec::new(), measures: false }
+        State {
+            piece: Piece::new(program),
+            before: None,
+            jumps: Vec::new(),
+            counted: (0, alloc::vec![(0, 0); program.topics.len()]),
+            measures: false,
+        }
     }
 
     /// Nothing has come yet, and [`Outcome::margin`] is wanted. It costs time at every position, and memory where a property has
@@ -123,6 +131,7 @@ impl State {
         outcomes.iter_mut().for_each(Outcome::cut_off_by_jump);
         self.before = Some(join(self.before.take(), outcomes));
         self.jumps.push((from, to));
+        self.counted = (self.instants(), (0..program.topics.len()).map(|topic| self.messages(topic)).collect());
         self.piece = Piece::new(program);
         if self.measures {
             self.piece.measure(program);
@@ -157,7 +166,7 @@ impl State {
 
     /// The number of instants of the specification's clock so far.
     pub fn instants(&self) -> u64 {
-        self.piece.instants
+        self.counted.0 + self.piece.instants
     }
 
     /// The jumps back in time, from and to.
@@ -167,7 +176,9 @@ impl State {
 
     /// How many messages of a topic came, and how many of them no instant saw.
     pub fn messages(&self, topic: usize) -> (u64, u64) {
-        self.piece.messages.get(topic).copied().unwrap_or_default()
+        let of = |messages: &[(u64, u64)]| messages.get(topic).copied().unwrap_or_default();
+        let (before, piece) = (of(&self.counted.1), of(&self.piece.messages));
+        (before.0 + piece.0, before.1 + piece.1)
     }
 }
 

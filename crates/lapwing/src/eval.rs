@@ -2,7 +2,8 @@
 //!
 //! It repeats nothing of the engine's but the combination of what the engine computes: functions and comparisons are its own.
 
-use lapwing_check::checked::{self, Arith, Compare, Connective, Expr, Func, Kind};
+use lapwing_check::checked::{Arith, Compare, Connective, Expr, Func, Kind};
+use lapwing_check::compile;
 use lapwing_engine::{compare, numeric, program};
 use lapwing_stream::Value;
 
@@ -100,7 +101,7 @@ fn connective(op: Connective, l: Option<bool>, r: Option<bool>) -> Option<bool> 
 fn comparison(op: Compare, margin: Option<&Expr>, left: &Expr, right: &Expr, at: &dyn Moment) -> Option<bool> {
     let margin = margin.map_or(Some(0.0), |m| number(m, at))?;
     match (eval(left, at)?, eval(right, at)?) {
-        (Value::Num(a), Value::Num(b)) => Some(compare(engine_compare(op), a, b, margin)),
+        (Value::Num(a), Value::Num(b)) => Some(compare(compile::compare(op), a, b, margin)),
         (a, b) => match op {
             Compare::Eq => Some(a == b),
             Compare::Ne => Some(a != b),
@@ -125,39 +126,20 @@ fn call(func: Func, args: &[Expr], at: &dyn Moment) -> Option<Value> {
     }
 }
 
-fn engine_compare(op: Compare) -> program::Compare {
-    match op {
-        Compare::Eq => program::Compare::Eq,
-        Compare::Ne => program::Compare::Ne,
-        Compare::Lt => program::Compare::Lt,
-        Compare::Le => program::Compare::Le,
-        Compare::Gt => program::Compare::Gt,
-        Compare::Ge => program::Compare::Ge,
-    }
-}
-
 /// The engine's function of numbers; `None` for one of other values.
-fn engine_func(func: checked::Func) -> Option<program::Func> {
-    Some(match func {
-        Func::Abs => program::Func::Abs,
-        Func::Sign => program::Func::Sign,
-        Func::Min => program::Func::Min,
-        Func::Max => program::Func::Max,
-        Func::Sqrt => program::Func::Sqrt,
-        Func::Sin => program::Func::Sin,
-        Func::Cos => program::Func::Cos,
-        Func::Atan2 => program::Func::Atan2,
-        Func::Norm => program::Func::Norm,
-        Func::Roll => program::Func::Roll,
-        Func::Pitch => program::Func::Pitch,
-        Func::Yaw => program::Func::Yaw,
-        Func::AngleDiff => program::Func::AngleDiff,
-        Func::AngleBetween => program::Func::AngleBetween,
-        Func::IntoBody => program::Func::IntoBody,
-        Func::Deg => program::Func::Deg,
-        Func::Rad => program::Func::Rad,
-        _ => return None,
-    })
+fn engine_func(func: Func) -> Option<program::Func> {
+    let of_others = matches!(
+        func,
+        Func::IsNan
+            | Func::Len
+            | Func::MinOf
+            | Func::MaxOf
+            | Func::Lookup
+            | Func::StartsWith
+            | Func::EndsWith
+            | Func::Contains
+    );
+    (!of_others).then(|| compile::func(func))
 }
 
 #[cfg(test)]

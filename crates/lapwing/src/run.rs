@@ -5,7 +5,7 @@ use lapwing_diag::{Code, Diagnostic, Severity};
 use lapwing_engine::{Program, State};
 use lapwing_react::{Property, Topic, Violation, Warning};
 use lapwing_record::Item;
-use lapwing_stream::{Time, Verdict};
+use lapwing_stream::Verdict;
 
 use crate::account::{self, Notes};
 use crate::hints::Latch;
@@ -31,22 +31,12 @@ pub(crate) struct Run<'s> {
     latches: Vec<Option<Latch>>,
     /// The properties as they are before anything is known of them.
     pub blanks: Vec<Property>,
-    last: Option<Time>,
-    /// What was counted before the latest jump of time.
-    before: Counts,
     /// How many violations have been told.
     told: usize,
     /// How many jumps have been told.
     jumps_told: usize,
     /// The properties whose margins would have taken too much memory.
     unmeasured: Vec<String>,
-}
-
-/// Messages and unseen ones by topic, and instants.
-#[derive(Clone, Debug, Default)]
-struct Counts {
-    messages: Vec<(u64, u64)>,
-    instants: u64,
 }
 
 impl<'s> Run<'s> {
@@ -69,8 +59,6 @@ impl<'s> Run<'s> {
             witness: Witness::new(meaning.inputs.len(), interests),
             latches,
             blanks: meaning.properties.iter().map(|p| account::blank(spec, &meaning, p)).collect(),
-            last: None,
-            before: Counts { messages: vec![(0, 0); meaning.topics.len()], instants: 0 },
             told: 0,
             jumps_told: 0,
             unmeasured: Vec::new(),
@@ -81,28 +69,8 @@ impl<'s> Run<'s> {
 
     /// Takes in what comes next.
     pub fn take(&mut self, item: &Item<'_>) {
-        let back = self.last.is_some_and(|last| item.time() < last);
-        let before = back.then(|| (self.counts(), self.state.jumps().len()));
         let sample = self.intake.sample(item);
         self.state.feed(&self.program, sample, &mut self.witness);
-        self.last = Some(item.time());
-        if let Some((counts, jumps)) = before
-            && self.state.jumps().len() > jumps
-        {
-            self.before = counts;
-        }
-    }
-
-    /// What was counted so far.
-    fn counts(&self) -> Counts {
-        let add = |(topic, (messages, unseen)): (usize, &(u64, u64))| {
-            let (m, u) = self.state.messages(topic);
-            (messages + m, unseen + u)
-        };
-        Counts {
-            messages: self.before.messages.iter().enumerate().map(add).collect(),
-            instants: self.before.instants + self.state.instants(),
-        }
     }
 
     /// The next violation that has not been told, with the property that it is of.
@@ -127,21 +95,16 @@ impl<'s> Run<'s> {
 
     /// How many instants there were.
     pub fn instants(&self) -> u64 {
-        self.counts().instants
+        self.state.instants()
     }
 
     /// What came of each topic.
     pub fn topics(&self) -> Vec<Topic> {
-        let counts = self.counts();
-        let topics = self.meaning.topics.iter().zip(counts.messages);
-        topics
-            .map(|(topic, (messages, unseen))| Topic {
-                name: topic.name.clone(),
-                type_name: topic.type_name.clone(),
-                messages,
-                unseen,
-            })
-            .collect()
+        let topic = |(number, topic): (usize, &checked::Topic)| {
+            let (messages, unseen) = self.state.messages(number);
+            Topic { name: topic.name.clone(), type_name: topic.type_name.clone(), messages, unseen }
+        };
+        self.meaning.topics.iter().enumerate().map(topic).collect()
     }
 
     /// A diagnostic of this specification as text.

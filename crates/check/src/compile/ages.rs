@@ -4,7 +4,8 @@ use lapwing_engine::program::{self as engine, AgeFlips};
 use lapwing_stream::Duration;
 
 use super::{below, machine_exprs};
-use crate::checked::{self, Arith, Clock, EventSource, Expr, Func, Kind};
+use crate::checked::{self, Clock, EventSource, Expr, Kind};
+use crate::constant::constant;
 
 /// The flips that make instants for a property: those of its formula, and those of the machines that it reads.
 pub(crate) fn of_property(spec: &checked::Spec, property: &checked::Property, formula: &Expr) -> Vec<AgeFlips> {
@@ -76,31 +77,6 @@ fn of_expr(spec: &checked::Spec, e: &Expr) -> Vec<AgeFlips> {
         _ => {}
     });
     flips
-}
-
-/// The value of an expression that names no signal.
-pub(crate) fn constant(e: &Expr) -> Option<f64> {
-    let value = match &e.kind {
-        Kind::Num(x) => *x,
-        Kind::Neg(of) => -constant(of)?,
-        Kind::Arith(op, l, r) => {
-            let (l, r) = (constant(l)?, constant(r)?);
-            match op {
-                Arith::Add => l + r,
-                Arith::Sub => l - r,
-                Arith::Mul => l * r,
-                Arith::Div => l / r,
-            }
-        }
-        Kind::Call(func, args)
-            if !matches!(func, Func::Len | Func::Lookup | Func::MinOf | Func::MaxOf | Func::IsNan) =>
-        {
-            let args: Option<Vec<_>> = args.iter().map(constant).collect();
-            lapwing_engine::numeric(super::expr::func(*func), &args?)
-        }
-        _ => return None,
-    };
-    Some(value)
 }
 
 /// A comparison of an age with a constant.

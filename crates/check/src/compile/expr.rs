@@ -266,7 +266,8 @@ fn arith(op: checked::Arith) -> engine::Arith {
     }
 }
 
-pub(crate) fn compare(op: checked::Compare) -> engine::Compare {
+/// The engine's name of a comparison.
+pub fn compare(op: checked::Compare) -> engine::Compare {
     match op {
         checked::Compare::Eq => engine::Compare::Eq,
         checked::Compare::Ne => engine::Compare::Ne,
@@ -285,7 +286,8 @@ fn window(window: checked::Window) -> engine::Window {
     }
 }
 
-pub(crate) fn func(func: checked::Func) -> engine::Func {
+/// The engine's name of a function.
+pub fn func(func: checked::Func) -> engine::Func {
     use checked::Func as From;
     use engine::Func as To;
     match func {

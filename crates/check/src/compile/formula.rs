@@ -5,10 +5,10 @@ use lapwing_engine::program::{
     At, Bound, Context, ContextKind, Future, FutureKind, FutureRef, Group, Judged, Look, Positions, Tracker,
 };
 
-use super::ages::constant;
 use super::expr::{Lowered, Lowering, bound, compare};
 use super::replay::replay;
 use crate::checked::{Connective, Expr, Kind, Scope, Window};
+use crate::constant::constant;
 
 /// A group, as its properties are lowered one after the other.
 pub(crate) struct GroupLowering {

@@ -14,6 +14,7 @@ use lapwing_engine::program as engine;
 
 use crate::checked::{self, Body, EventSource, Expr, InputSource, Kind, ObjectSource, ReadOf};
 use expr::Lowering;
+pub use expr::{compare, func};
 use formula::GroupLowering;
 
 /// How many runs of open obligations a property may have, unless a caller changes [`engine::Program::open_limit`].

@@ -37,6 +37,24 @@ pub fn against(text: &str, trace: &TraceShape) -> Spec {
     check_with(text, Some(trace), &[])
 }
 
+/// The diagnostics of a text without a trace are these.
+pub fn faults(text: &str, expected: expect_test::Expect) {
+    expected.assert_eq(&alone(text).codes());
+}
+
+/// A text without a trace has no diagnostics.
+pub fn clean(text: &str) {
+    let spec = alone(text);
+    assert_eq!(spec.messages(), "", "{text}");
+}
+
+/// What the diagnostics say, with what stands beside the carets and the help.
+pub fn said(spec: &Spec) -> String {
+    let diagnostics = spec.checked.diagnostics.iter();
+    let help = |d: &Diagnostic| d.help.iter().map(|h| format!("  {h}\n")).collect::<String>();
+    diagnostics.map(|d| format!("{}\n  {}\n{}", d.message, d.primary.text, help(d))).collect()
+}
+
 impl Spec {
     /// Every diagnostic as `code: text under the carets`, one a line.
     pub fn codes(&self) -> String {
