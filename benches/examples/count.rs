@@ -1,24 +1,32 @@
-//! `valgrind --tool=callgrind target/release/examples/count`: the instructions of stepping one property, a hundred thousand times.
+//! `valgrind --tool=callgrind --toggle-collect='*by_engine*' target/release/examples/count RecurBqr 100`: the instructions of a hundred
+//! thousand steps on a satisfying trace; with `*by_loop*` those of the hand-written loop.
 
-use lapwing_check::{TraceShape, check, compile::compile, load};
-use lapwing_diag::SourceMap;
-use lapwing_engine::State;
-use lapwing_stream::{Sample, Time, Value, What};
+#[path = "../src/program.rs"]
+mod program;
+#[path = "../src/timescales.rs"]
+mod timescales;
+
+use lapwing_engine::{Program, State};
+use timescales::{Property, Row};
 
 fn main() {
-    let formula = std::env::args().nth(1).unwrap_or_else(|| "once within 100 ms p".to_owned());
-    let mut sources = SourceMap::default();
-    let text = format!("holds: {formula}\n");
-    let file = sources.add("count.rv", text.clone());
-    let loaded = load(&mut sources, lapwing_syntax::parse(file, &text).file, &|_| None);
-    let columns: Vec<String> = ["p", "q", "r", "s"].map(String::from).to_vec();
-    let shape = TraceShape { columns, schemaless: true, ..TraceShape::default() };
-    let program = compile(&check(&sources, &loaded, Some(&shape)).spec);
-    let mut state = State::new(&program);
-    let rows = [[true, false, false, false], [false, true, false, true]].map(|row| row.map(Value::Bool));
-    for t in 0..100_000i64 {
-        let cells = &rows[usize::from(t % 10 != 0)];
-        state.feed(&program, Sample { time: Time(t * 1_000_000), what: What::Row { cells } }, &mut ());
-    }
-    println!("{} instants", state.instants());
+    let mut arguments = std::env::args().skip(1);
+    let name = arguments.next().unwrap_or_default();
+    let property = Property::ALL.into_iter().find(|p| format!("{p:?}") == name).unwrap_or(Property::RecurGlb);
+    let bound = arguments.next().and_then(|b| b.parse().ok()).unwrap_or(100);
+    let rows = property.satisfying(bound, 100_000);
+    let program = program::of(&property.formula(bound));
+    println!("{property:?} {bound}: {} {}", by_engine(&program, &rows), by_loop(property, bound, &rows));
+}
+
+#[inline(never)]
+fn by_engine(program: &Program, rows: &[Row]) -> u64 {
+    let mut state = State::new(program);
+    program::feed(&mut state, program, rows);
+    state.instants()
+}
+
+#[inline(never)]
+fn by_loop(property: Property, bound: u32, rows: &[Row]) -> u64 {
+    property.by_hand(bound, rows)
 }

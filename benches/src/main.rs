@@ -3,13 +3,13 @@
 //! Absolute times are for orientation only: the machine is shared, so a ratio is taken from alternating runs, and the least of each
 //! side counts.
 
+mod program;
 mod timescales;
 
 use std::time::{Duration, Instant};
 
-use lapwing_diag::SourceMap;
-use lapwing_engine::{Ending, Program, State};
-use lapwing_stream::{Sample, Time, Value, Verdict, What};
+use lapwing_engine::{Ending, State};
+use lapwing_stream::Verdict;
 use timescales::{Property, Row};
 
 /// How often each side runs.
@@ -48,8 +48,7 @@ struct Timing {
 }
 
 fn compare(property: Property, bound: u32, rows: &[Row]) -> Timing {
-    let program = program(&property.formula(bound));
-    let cells: Vec<[Value; 4]> = rows.iter().map(|r| r.map(Value::Bool)).collect();
+    let program = program::of(&property.formula(bound));
     let per_step = |d: Duration| d.as_secs_f64() * 1e9 / rows.len() as f64;
     let mut best = Timing { hand: f64::INFINITY, engine: f64::INFINITY };
     for _ in 0..ROUNDS {
@@ -58,36 +57,11 @@ fn compare(property: Property, bound: u32, rows: &[Row]) -> Timing {
         best.hand = best.hand.min(per_step(start.elapsed()));
         let mut state = State::new(&program);
         let start = Instant::now();
-        for (t, cells) in cells.iter().enumerate() {
-            let sample = Sample { time: Time(t as i64 * 1_000_000), what: What::Row { cells } };
-            state.feed(&program, sample, &mut ());
-        }
+        program::feed(&mut state, &program, std::hint::black_box(rows));
         best.engine = best.engine.min(per_step(start.elapsed()));
         let outcome = &state.finish(&program, &Ending::default(), &mut ())[0];
         assert_eq!(outcome.failed, bad, "{property:?} with bound {bound}: the engine and the loop by hand disagree");
         assert_eq!(outcome.verdict == Verdict::Violated, bad > 0);
     }
     best
-}
-
-/// The program of a formula over the columns p, q, r, s.
-fn program(formula: &str) -> Program {
-    let mut sources = SourceMap::default();
-    let text = format!("holds: {formula}\n");
-    let file = sources.add("bench.rv", text.clone());
-    let parsed = lapwing_syntax::parse(file, &text);
-    let trace = lapwing_check::TraceShape {
-        columns: ["p", "q", "r", "s"].map(String::from).to_vec(),
-        schemaless: true,
-        ..Default::default()
-    };
-    let loaded = lapwing_check::load(&mut sources, parsed.file, &|_| None);
-    let checked = lapwing_check::check(&sources, &loaded, Some(&trace));
-    assert!(!checked.has_errors(), "{formula}: {:?}", checked.diagnostics);
-    let mut program = lapwing_check::compile::compile(&checked.spec);
-    // Cells come as p, q, r, s; the program numbers the columns that it reads in its own order.
-    for (cell, _) in &mut program.columns {
-        *cell = ["p", "q", "r", "s"].iter().position(|name| *name == checked.spec.columns[*cell]).unwrap_or_default();
-    }
-    program
 }

@@ -9,125 +9,14 @@ use lapwing_stream::{Time, Value};
 use crate::future::{Decided, Graph, Moment, Segment, step_segments};
 use crate::inputs::Inputs;
 use crate::margin::Margins;
-use crate::node::{Notes, View};
+use crate::node::View;
 use crate::outcome::{Observer, Output};
-use crate::past::{self, Memory, Registers, Scene};
-use crate::program::{Bound, Group, Judged, Look, LookKind, Positions};
+use crate::past::{Here, NOW, once};
+use crate::program::{At, Bound, Group, Judged, Look, LookKind};
 use crate::runs::Runs;
 use crate::times::{Pos, Times};
 use crate::tracker::{TrackerState, is_obliged};
-
-/// Where a machine or a group stands in its positions.
-#[derive(Clone, Debug)]
-pub(crate) struct Walk {
-    /// Whether position 0 has come.
-    pub started: bool,
-    /// For how many instants each read has been defined.
-    waited: Vec<usize>,
-    /// What the code computed at the latest instant.
-    registers: Registers,
-    memories: Vec<Memory>,
-    pub notes: Notes,
-    /// For each comparison of an age: the message that its flips count from, and the next flip.
-    flips: Vec<(Option<i64>, usize)>,
-}
-
-impl Walk {
-    /// `inputs` are those before anything has come.
-    pub fn new(at: &Positions, inputs: &Inputs, counters: usize) -> Walk {
-        let mut walk = Walk::blank(at, counters);
-        let Walk { registers, memories, notes, .. } = &mut walk;
-        let scene = Scene { at, inputs, params: &[], now: 0, notes, seen: &inputs.versions };
-        past::prime(&scene, memories, registers);
-        walk.notes = Notes::new(counters);
-        walk
-    }
-
-    fn blank(at: &Positions, counters: usize) -> Walk {
-        Walk {
-            started: false,
-            waited: alloc::vec![0; at.reads.len()],
-            registers: Registers::new(at.ops.len()),
-            memories: at.ops.iter().map(Memory::new).collect(),
-            notes: Notes::new(counters),
-            flips: alloc::vec![(None, 0); at.ages.len()],
-        }
-    }
-
-    /// Takes an instant in; whether it is a position.
-    #[inline]
-    pub fn enter(&mut self, at: &Positions, inputs: &Inputs, now: i64, params: &[Option<Value>], seen: &[u64]) -> bool {
-        if let Some(alphabet) = &at.alphabet {
-            let view = self.view(at, inputs, now, params, seen);
-            if !alphabet.iter().any(|&e| view.occurrence(e).is_some()) {
-                return false;
-            }
-            self.started = true;
-        } else if !self.started {
-            self.started = self.is_ready(at, inputs);
-        }
-        let Walk { registers, memories, notes, started, .. } = self;
-        past::run(&Scene { at, inputs, params, now, notes, seen }, memories, *started, registers);
-        if !self.started {
-            self.notes.nans.iter().for_each(|n| n.set(0));
-        }
-        self.started
-    }
-
-    /// Whether everything has been defined for long enough.
-    fn is_ready(&mut self, at: &Positions, inputs: &Inputs) -> bool {
-        let mut ready = true;
-        for ((read, depth), waited) in at.reads.iter().zip(&mut self.waited) {
-            *waited += usize::from(inputs.defined(*read));
-            ready &= *waited > *depth;
-        }
-        ready
-    }
-
-    /// The reads that are still missing.
-    pub fn missing(&self, at: &Positions) -> impl Iterator<Item = usize> {
-        self.waited.iter().zip(&at.reads).enumerate().filter(|(_, (w, (_, depth)))| *w <= depth).map(|(i, _)| i)
-    }
-
-    pub fn view<'a>(
-        &'a self,
-        at: &'a Positions,
-        inputs: &'a Inputs,
-        now: i64,
-        params: &'a [Option<Value>],
-        seen: &'a [u64],
-    ) -> View<'a> {
-        Scene { at, inputs, params, now, notes: &self.notes, seen }.view(&self.registers)
-    }
-
-    /// The next time at which a comparison of an age changes its value.
-    pub fn next_flip(&mut self, at: &Positions, inputs: &Inputs) -> Option<i64> {
-        let mut next: Option<i64> = None;
-        for (age, (since, i)) in at.ages.iter().zip(&mut self.flips) {
-            let last = inputs.topics.get(age.topic).and_then(|t| t.last);
-            if *since != last {
-                (*since, *i) = (last, 0);
-            }
-            if let (Some(last), Some(after)) = (last, age.after.get(*i)) {
-                let flip = last.saturating_add(after.nanos());
-                next = Some(next.map_or(flip, |n| n.min(flip)));
-            }
-        }
-        next
-    }
-
-    /// The flips up to this time are over.
-    pub fn pass_flips(&mut self, at: &Positions, until: i64) {
-        for (age, (since, i)) in at.ages.iter().zip(&mut self.flips) {
-            while let (Some(last), Some(after)) = (*since, age.after.get(*i)) {
-                if last.saturating_add(after.nanos()) > until {
-                    break;
-                }
-                *i += 1;
-            }
-        }
-    }
-}
+use crate::walk::Walk;
 
 /// One instance of a group.
 #[derive(Clone, Debug)]
@@ -142,6 +31,10 @@ pub(crate) struct Core {
     pub trackers: Vec<TrackerState>,
     looks: Vec<LookState>,
     pub positions: u64,
+    /// How many instants there were when it had stepped last.
+    stepped: u64,
+    /// The number of faults that have spoilt what stands on them.
+    spoilt_by: usize,
     /// More runs were open than allowed.
     pub overflowed: bool,
     /// By how much its properties missed changing their verdicts, where that is asked for.
@@ -159,6 +52,8 @@ impl Core {
             trackers: plan.trackers.iter().map(|_| TrackerState::default()).collect(),
             looks: plan.looks.iter().map(LookState::new).collect(),
             positions: 0,
+            stepped: 0,
+            spoilt_by: 0,
             overflowed: false,
             margins: None,
         }
@@ -166,7 +61,7 @@ impl Core {
 
     /// Computes margins as well, from now on.
     pub fn measure(&mut self, plan: &Group, inputs: &Inputs, limit: usize) {
-        let view = self.walk.view(&plan.at, inputs, 0, &self.key, &[]);
+        let view = self.walk.view(here(plan, inputs, 0, &self.key));
         self.margins = Some(Box::new(Margins::new(&plan.margins, limit, view)));
     }
 
@@ -175,11 +70,57 @@ impl Core {
         self.is_seen.iter().all(|seen| *seen)
     }
 
+    /// Before when the group rests as long as no signal changes: its operators keep their values, and its positions need only be
+    /// counted. [`NOW`] where it does not.
+    #[inline]
+    pub fn rests_until(&self, plan: &Group) -> i64 {
+        if plan.rests && self.walk.started && self.margins.is_none() { self.walk.quiet_until() } else { NOW }
+    }
+
+    /// Makes up for the instants at which the group rested: of `instants` in all until now, the last at `last`.
+    #[inline]
+    pub fn wake(&mut self, plan: &Group, instants: u64, last: i64) {
+        let rested = instants - self.stepped;
+        self.stepped = instants + 1;
+        if rested > 0 && plan.rests {
+            self.make_up_for(plan, rested, last);
+        }
+    }
+
+    fn make_up_for(&mut self, plan: &Group, positions: u64, last: i64) {
+        let from = self.positions;
+        self.positions += positions;
+        self.walk.last = Some(last);
+        for (state, tracker) in self.trackers.iter_mut().zip(&plan.trackers) {
+            if let (Judged::State(formula), At::All) = (tracker.formula, tracker.at) {
+                state.judge_rest(self.walk.registers.bit(formula), (from, self.positions - 1), last);
+            }
+        }
+    }
+
     /// An instant: a position, if it is one for this group.
-    pub fn step(&mut self, plan: &Group, inputs: &Inputs, now: i64, limit: usize, tell: &mut impl Observer) {
-        let is_position = self.walk.enter(&plan.at, inputs, now, &self.key, &[]);
+    #[inline(always)]
+    pub fn step(&mut self, plan: &Group, inputs: &Inputs, due: u64, now: i64, limit: usize, tell: &mut impl Observer) {
+        // PERF: the way of most properties of robots, and of nearly all of their instants, without what only others need.
+        if plan.rests && self.walk.started && self.margins.is_none() {
+            self.walk.run(here(plan, inputs, now, &[]), due);
+            self.positions += 1;
+            self.spoil(plan);
+            self.judge_later(plan, inputs, now, tell);
+        } else {
+            self.step_any(plan, inputs, due, now, limit, tell);
+        }
+    }
+
+    #[inline(never)]
+    fn step_any(&mut self, plan: &Group, inputs: &Inputs, due: u64, now: i64, limit: usize, tell: &mut impl Observer) {
+        let is_position = self.walk.enter(here(plan, inputs, now, &self.key), due);
+        self.spoil(plan);
         if self.margins.is_some() {
             self.measure_step(plan, inputs, now, is_position);
+            if is_position && tell.wants_margins() {
+                self.tell_margins(plan, now, tell);
+            }
         }
         if !is_position {
             return;
@@ -191,13 +132,40 @@ impl Core {
         if plan.is_plain() { self.judge(plan, inputs, now, tell) } else { self.decide(plan, inputs, now, limit, tell) }
     }
 
+    /// Operators that met a value of another kind than they need spoil what stands on them.
+    #[inline]
+    fn spoil(&mut self, plan: &Group) {
+        if self.spoilt_by == self.walk.faults.len() {
+            return;
+        }
+        self.spoilt_by = self.walk.faults.len();
+        for (state, tracker) in self.trackers.iter_mut().zip(&plan.trackers) {
+            if !state.is_spoilt && self.walk.faults.iter().any(|op| tracker.ops.contains(op)) {
+                state.spoil();
+            }
+        }
+    }
+
     #[cold]
     fn measure_step(&mut self, plan: &Group, inputs: &Inputs, now: i64, is_position: bool) {
         // What is over events alone has no instants but its positions.
         if let Some(margins) = &mut self.margins
             && (is_position || plan.at.alphabet.is_none())
         {
-            margins.step(&plan.margins, self.walk.view(&plan.at, inputs, now, &self.key, &[]), is_position);
+            margins.step(&plan.margins, self.walk.view(here(plan, inputs, now, &self.key)), is_position);
+        }
+    }
+
+    /// A position after the first of a group that may rest: what is asked at all positions is asked here.
+    #[inline]
+    fn judge_later(&mut self, plan: &Group, inputs: &Inputs, now: i64, tell: &mut impl Observer) {
+        let n = self.positions - 1;
+        for (state, tracker) in self.trackers.iter_mut().zip(&plan.trackers) {
+            if let (At::All, Judged::State(formula)) = (tracker.at, tracker.formula)
+                && let Some(began) = state.judge(self.walk.registers.bit(formula), n, now)
+            {
+                alarm(inputs, tracker.property, &self.key, began, now, tell);
+            }
         }
     }
 
@@ -212,11 +180,10 @@ impl Core {
         } else {
             whole.first = false;
         }
-        let view = walk.view(&plan.at, inputs, now, key, &[]);
         for (state, tracker) in trackers.iter_mut().zip(&plan.trackers) {
             if let Judged::State(formula) = tracker.formula
                 && is_obliged(tracker, whole, now)
-                && let Some(began) = state.judge(view.bool(formula), n, now)
+                && let Some(began) = state.judge(walk.registers.bit(formula), n, now)
             {
                 alarm(inputs, tracker.property, key, began, now, tell);
             }
@@ -227,7 +194,7 @@ impl Core {
     fn decide(&mut self, plan: &Group, inputs: &Inputs, now: i64, limit: usize, tell: &mut impl Observer) {
         let n = self.times.push(now);
         let Core { key, walk, times, graph, trackers, looks, .. } = self;
-        let view = walk.view(&plan.at, inputs, now, key, &[]);
+        let view = walk.view(here(plan, inputs, now, key));
         if step_segments(&plan.contexts, &mut graph.segments, n, &view) {
             graph.pass(&plan.futures, Moment::Close, view, times);
             decide_looks(plan, graph, looks);
@@ -267,7 +234,7 @@ impl Core {
                 return;
             }
             let Core { key, walk, times, graph, trackers, looks, .. } = self;
-            let view = walk.view(&plan.at, inputs, at, key, &[]);
+            let view = walk.view(here(plan, inputs, at, key));
             graph.pass(&plan.futures, Moment::Deadline { at, closed }, view, times);
             decide_looks(plan, graph, looks);
             for (state, tracker) in trackers.iter_mut().zip(&plan.trackers) {
@@ -281,7 +248,7 @@ impl Core {
     /// The trace is over: what would be missed if it were all.
     pub fn end(&mut self, plan: &Group, inputs: &Inputs, last: i64) {
         let Core { key, walk, times, graph, trackers, looks, .. } = self;
-        let view = walk.view(&plan.at, inputs, last, key, &[]);
+        let view = walk.view(here(plan, inputs, last, key));
         graph.pass(&plan.futures, Moment::End { last }, view, times);
         decide_looks(plan, graph, looks);
         for (state, tracker) in trackers.iter_mut().zip(&plan.trackers) {
@@ -325,6 +292,12 @@ impl Core {
         }
         counts
     }
+}
+
+/// An instant as a group sees it.
+#[inline]
+fn here<'a>(plan: &'a Group, inputs: &'a Inputs, now: i64, key: &'a [Option<Value>]) -> Here<'a> {
+    Here { at: &plan.at, inputs, now, params: key, seen: &[] }
 }
 
 /// Tells the looks what the graph decided in its latest pass.
@@ -409,7 +382,7 @@ impl LookState {
             LookKind::Where { of, x } => at(of) && view.bool(x),
             LookKind::Unless { of, x } => at(of) && !view.bool(x),
             LookKind::Next { of } => core::mem::replace(&mut self.before, at(of)),
-            LookKind::From { of, bound } => past::once(&bound, at(of), view.now, &mut self.queue, &mut self.reached),
+            LookKind::From { of, bound } => once(&bound, at(of), view.now, &mut self.queue, &mut self.reached),
             LookKind::FirstWith { of, x } => {
                 self.pending |= at(of);
                 let here = self.pending && view.bool(x);

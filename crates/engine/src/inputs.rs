@@ -3,17 +3,23 @@
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
-use lapwing_stream::Value;
+use lapwing_stream::{Time, Value};
 
-use crate::program::{Program, Read};
+use crate::program::{Column, Program, Read, Wake};
 
 /// The latest of everything.
 #[derive(Clone, Debug, Default)]
 pub struct Inputs {
     /// The signals' values; [`Value::Missing`] is undefined.
     pub(crate) slots: Vec<Value>,
-    /// How often each signal got a value.
+    /// How often each signal got a value; empty where nothing asks for it.
     pub(crate) versions: Vec<u64>,
+    /// Per group, the operators that read a signal that changed since the group stepped last, as bits.
+    pub(crate) due: Vec<u64>,
+    /// Whether there may be any.
+    pub(crate) woken: bool,
+    /// Whether this instant has events or messages, which end with it.
+    stirred: bool,
     pub(crate) topics: Vec<TopicState>,
     pub(crate) events: Vec<EventState>,
     /// The state of each machine, `None` where it is undefined.
@@ -37,6 +43,8 @@ pub(crate) struct EventState {
     /// The fields of each occurrence; the first `count` are valid, the rest are buffers for later.
     pub occurrences: Vec<Vec<Value>>,
     pub count: usize,
+    /// Whether a value in its condition was of another kind than was needed, so that nobody knows whether it occurs.
+    pub is_unclear: bool,
 }
 
 impl EventState {
@@ -46,7 +54,7 @@ impl EventState {
     }
 
     /// Adds an occurrence, in the buffers of an earlier one.
-    pub fn add<'a>(&mut self, fields: impl Iterator<Item = &'a Value>) {
+    fn add<'a>(&mut self, fields: impl Iterator<Item = &'a Value>) {
         if self.count == self.occurrences.len() {
             self.occurrences.push(Vec::new());
         }
@@ -69,7 +77,10 @@ impl Inputs {
     pub(crate) fn new(program: &Program) -> Inputs {
         Inputs {
             slots: program.slots.iter().map(|s| s.default.clone().unwrap_or_default()).collect(),
-            versions: alloc::vec![0; program.slots.len()],
+            versions: alloc::vec![0; if program.counts_values() { program.slots.len() } else { 0 }],
+            due: alloc::vec![0; program.groups.len()],
+            woken: false,
+            stirred: false,
             topics: alloc::vec![TopicState::default(); program.topics.len()],
             events: alloc::vec![EventState::default(); program.events.len()],
             machines: program.machines.iter().map(|m| Some(m.initial)).collect(),
@@ -78,13 +89,42 @@ impl Inputs {
 
     /// Stores a value; nothing is stored for a missing one.
     #[inline]
-    pub(crate) fn set(&mut self, slot: usize, value: &Value) {
-        if matches!(value, Value::Missing) {
-            return;
+    pub(crate) fn set(&mut self, program: &Program, slot: usize, value: &Value) {
+        let (Some(to), Some(plan)) = (self.slots.get_mut(slot), program.slots.get(slot)) else { return };
+        if put(to, value) {
+            self.woken = true;
+            wake(&mut self.due, &plan.wakes);
         }
-        if let (Some(to), Some(version)) = (self.slots.get_mut(slot), self.versions.get_mut(slot)) {
-            to.clone_from(value);
+        if let Some(version) = self.versions.get_mut(slot)
+            && !matches!(value, Value::Missing)
+        {
             *version += 1;
+        }
+    }
+
+    /// Stores the cells of a row.
+    #[inline]
+    pub(crate) fn set_row(&mut self, columns: &[Column], cells: &[Value]) {
+        let slots = &mut self.slots[..];
+        for column in columns {
+            if let (Some(to), Some(value)) = (slots.get_mut(column.slot), cells.get(column.cell))
+                && put(to, value)
+            {
+                self.woken = true;
+                wake(&mut self.due, &column.wakes);
+            }
+        }
+        if !self.versions.is_empty() {
+            self.count_row(columns, cells);
+        }
+    }
+
+    fn count_row(&mut self, columns: &[Column], cells: &[Value]) {
+        let is_there = |column: &&Column| cells.get(column.cell).is_some_and(|v| !matches!(v, Value::Missing));
+        for column in columns.iter().filter(is_there) {
+            if let Some(version) = self.versions.get_mut(column.slot) {
+                *version += 1;
+            }
         }
     }
 
@@ -96,10 +136,32 @@ impl Inputs {
         }
     }
 
+    /// A message came, or an event occurred: at the end of the instant there is something to end.
+    pub(crate) fn stir(&mut self) {
+        self.stirred = true;
+    }
+
+    /// An event occurred.
+    pub(crate) fn occur<'a>(&mut self, event: usize, fields: impl Iterator<Item = &'a Value>) {
+        if let Some(state) = self.events.get_mut(event) {
+            state.add(fields);
+            self.stirred = true;
+        }
+    }
+
     /// The instant is over: its events are, too.
+    #[inline]
     pub(crate) fn end_instant(&mut self) {
-        self.events.iter_mut().for_each(|e| e.count = 0);
-        self.topics.iter_mut().for_each(|t| t.fresh = false);
+        if self.stirred {
+            self.stirred = false;
+            self.events.iter_mut().for_each(|e| (e.count, e.is_unclear) = (0, false));
+            self.topics.iter_mut().for_each(|t| t.fresh = false);
+        }
+    }
+
+    /// Whether nobody knows if an event occurs at this instant.
+    pub(crate) fn is_unclear(&self, event: usize) -> bool {
+        self.events.get(event).is_some_and(|e| e.is_unclear)
     }
 
     /// The fields of an event's latest occurrence at this instant, where it occurs.
@@ -112,8 +174,45 @@ impl Inputs {
         self.machines.get(machine).copied().flatten()
     }
 
+    /// The stamp of a topic's last message.
+    pub fn last(&self, topic: usize) -> Option<Time> {
+        self.topics.get(topic)?.last.map(Time)
+    }
+
+    /// Whether a message of a topic came at this instant; under a rate, since the instant before.
+    pub fn is_fresh(&self, topic: usize) -> bool {
+        self.topics.get(topic).is_some_and(|t| t.fresh)
+    }
+
+    /// How many messages of a topic came after that time, as far back as the longest window that is asked for.
+    pub fn messages_after(&self, topic: usize, time: Time) -> usize {
+        let stamps = self.topics.get(topic).map(|t| &t.stamps);
+        stamps.map_or(0, |stamps| stamps.len() - stamps.partition_point(|&t| t <= time.0))
+    }
+
     /// The value of a signal, [`Value::Missing`] where it has none.
     pub fn value(&self, slot: usize) -> &Value {
         self.slots.get(slot).unwrap_or(&Value::Missing)
+    }
+}
+
+/// Makes what reads a signal due.
+#[inline]
+fn wake(due: &mut [u64], wakes: &[Wake]) {
+    wakes.iter().for_each(|wake| due[wake.group] |= wake.ops);
+}
+
+/// Stores a value unless it is missing. Returns whether that changed something.
+// PERF: scalars of the same kind first, for they are nearly all there is.
+#[inline]
+fn put(to: &mut Value, value: &Value) -> bool {
+    match (&mut *to, value) {
+        (Value::Bool(to), Value::Bool(from)) => core::mem::replace(to, *from) != *from,
+        (Value::Num(to), Value::Num(from)) => core::mem::replace(to, *from).to_bits() != from.to_bits(),
+        (_, Value::Missing) => false,
+        (to, from) => {
+            to.clone_from(from);
+            true
+        }
     }
 }

@@ -6,13 +6,16 @@ use alloc::vec::Vec;
 
 use lapwing_stream::{Time, Verdict};
 
-use crate::feed::{Ending, INSTANCES, Instances, Piece};
-use crate::group::{Core, Walk};
+use crate::feed::Ending;
+use crate::group::Core;
+use crate::instances::{INSTANCES, Instances};
 use crate::margin::Measured;
 use crate::node::Notes;
 use crate::outcome::{Episode, Outcome};
+use crate::piece::Piece;
 use crate::program::{Group, Judge, Positions, Program};
 use crate::tracker::can_add;
+use crate::walk::Walk;
 
 impl Piece {
     /// What is said of a property: one outcome, or one per instance.
@@ -46,7 +49,8 @@ impl Piece {
             ..Outcome::blank(number, 0)
         };
         let at = &program.machines[machine].at;
-        outcome.cause = self.cause(program, number, at, &memory.walk, ending);
+        let walk = (&memory.walk, !memory.walk.faults.is_empty());
+        outcome.cause = self.cause(program, number, at, walk, ending);
         let limit = memory.deadline(&program.machines[machine], machine, &self.inputs);
         outcome.open = u64::from(limit.is_some());
         let missed = limit.is_some_and(|limit| Some(limit) <= self.last);
@@ -81,7 +85,8 @@ impl Piece {
         outcome.episodes = sorted(outcome.episodes);
         let missed = outcome.unmet_since.is_some()
             || (core.positions == 0 && of_property().any(|(tracker, _)| tracker.missed_if_empty));
-        outcome.cause = self.cause(program, number, &plan.at, &core.walk, ending);
+        let is_spoilt = of_property().any(|(_, state)| state.is_spoilt);
+        outcome.cause = self.cause(program, number, &plan.at, (&core.walk, is_spoilt), ending);
         if core.overflowed && outcome.cause.is_none() {
             outcome.cause = Some(format!("more than {} runs of obligations were open at once", program.open_limit));
         }
@@ -89,14 +94,21 @@ impl Piece {
             outcome.cause = Some(format!("more than {INSTANCES} values were seen"));
         }
         outcome.settle(missed, !more_to_come, ending);
-        if let Some(margins) = &core.margins {
+        if let Some(margins) = core.margins.as_ref().filter(|_| !is_spoilt) {
             outcome.set_margin(margins.of(&plan.margins, number, last));
         }
         outcome
     }
 
     /// Why a property that did not fail cannot be judged.
-    fn cause(&self, program: &Program, number: usize, at: &Positions, walk: &Walk, ending: &Ending) -> Option<String> {
+    fn cause(
+        &self,
+        program: &Program,
+        number: usize,
+        at: &Positions,
+        (walk, is_spoilt): (&Walk, bool),
+        ending: &Ending,
+    ) -> Option<String> {
         let property = &program.properties[number];
         if let Some((_, why)) = ending.lost.iter().find(|(topic, _)| property.topics.contains(topic)) {
             return Some(why.clone());
@@ -112,7 +124,7 @@ impl Piece {
             let name = property.stale.get(silence).map_or("a topic", |s| &*s.name);
             return Some(format!("{name} was silent from {} to {}", Time(from), Time(to)));
         }
-        walk.notes.fault.get().map(|_| "a value was of another kind than the formula needs".to_string())
+        is_spoilt.then(|| "a value was of another kind than the formula needs".to_string())
     }
 
     fn nans(&self, program: &Program, number: usize, notes: &Notes) -> u64 {

@@ -5,9 +5,11 @@
 //!
 //! The way through a sample, from the outside in:
 //!
-//! 1. [`State::feed`] keeps time: jumps, the clock of the specification, deadlines in their order ([`mod@feed`]).
+//! 1. [`State::feed`] takes a sample ([`mod@feed`]). A [`piece`] of the trace keeps time: the clock of the specification, deadlines in their
+//!    order; the sample's content becomes the latest of everything ([`intake`]).
 //! 2. At an instant the signals have their latest values ([`inputs`]), then the machines move ([`machine`]).
-//! 3. Each [`Group`](program::Group) of properties with the same positions steps its past operators ([`past`]), then its graph of
+//! 3. Each [`Group`](program::Group) of properties with the same positions walks on to the position, where the past operators that
+//!    are due are evaluated ([`walk`], [`past`]), then its graph of
 //!    future operators ([`future`]), whose decisions end obligations ([`tracker`]).
 //! 4. Where it is asked for, margins are computed beside ([`mod@margin`]).
 //!
@@ -26,15 +28,19 @@ mod functions;
 mod future;
 mod group;
 pub mod inputs;
+mod instances;
+mod intake;
 mod judge;
 mod machine;
 pub mod margin;
 mod node;
 pub mod outcome;
 mod past;
+mod piece;
 mod runs;
 mod times;
 mod tracker;
+mod walk;
 mod world;
 
 pub use feed::{Ending, State};

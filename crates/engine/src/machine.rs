@@ -6,11 +6,12 @@ use alloc::vec::Vec;
 
 use lapwing_stream::Time;
 
-use crate::group::Walk;
 use crate::inputs::Inputs;
 use crate::node::View;
 use crate::outcome::{Episode, Observer, Output};
+use crate::past::Here;
 use crate::program::{Edge, Machine, MachineState};
+use crate::walk::Walk;
 
 /// Where a machine stands. Its current state is in [`Inputs::machines`], for all to read.
 #[derive(Clone, Debug)]
@@ -44,14 +45,15 @@ impl MachineMemory {
     /// An instant: it looks, and moves.
     pub fn step(&mut self, plan: &Machine, number: usize, inputs: &mut Inputs, now: i64, tell: &mut impl Observer) {
         let was_started = self.walk.started;
-        if !self.walk.enter(&plan.at, inputs, now, &[], &self.seen) {
+        let here = Here { at: &plan.at, inputs, now, params: &[], seen: &self.seen };
+        if !self.walk.enter(here, u64::MAX) {
             return;
         }
         self.positions += 1;
         if !was_started {
             self.since = now;
         }
-        let view = self.walk.view(&plan.at, inputs, now, &[], &self.seen);
+        let view = self.walk.view(Here { at: &plan.at, inputs, now, params: &[], seen: &self.seen });
         if plan.sample.is_some_and(|sample| !view.bool(sample)) {
             return;
         }
@@ -90,9 +92,7 @@ impl MachineMemory {
         };
         let events = [from.and_then(|s| plan.states.get(s)?.left), to.and_then(|s| plan.states.get(s)?.entered)];
         for event in events.into_iter().flatten() {
-            if let Some(state) = inputs.events.get_mut(event) {
-                state.add(core::iter::empty());
-            }
+            inputs.occur(event, core::iter::empty());
         }
         inputs.machines[number] = to;
         if why.is_none() && from.is_some() {

@@ -15,7 +15,7 @@ pub(crate) struct View<'a> {
     pub at: &'a Positions,
     pub inputs: &'a Inputs,
     /// The truth values and other values that the code has computed so far.
-    pub bits: &'a [bool],
+    pub bits: &'a [u64],
     pub values: &'a [Value],
     /// The values of the slices of this instance; `None` stands for all values that have not been seen.
     pub params: &'a [Option<Value>],
@@ -30,14 +30,16 @@ pub(crate) struct View<'a> {
 pub(crate) struct Notes {
     /// How often a comparison met a NaN, by counter.
     pub nans: Vec<Cell<u64>>,
-    /// The first node whose value was of the wrong kind.
-    pub fault: Cell<Option<NodeId>>,
+    /// Whether one did at the latest instant.
+    pub met_nan: Cell<bool>,
+    /// Whether a value was of another kind than was needed.
+    pub fault: Cell<bool>,
 }
 
 impl Notes {
     /// Nothing to remark.
     pub fn new(counters: usize) -> Notes {
-        Notes { nans: alloc::vec![Cell::new(0); counters], fault: Cell::new(None) }
+        Notes { nans: alloc::vec![Cell::new(0); counters], ..Notes::default() }
     }
 }
 
@@ -96,7 +98,7 @@ impl<'a> View<'a> {
     /// The truth of a formula.
     #[inline]
     pub fn bool(&self, bit: Bit) -> bool {
-        self.bits[bit.register()] != bit.is_negated()
+        bit.of(self.bits)
     }
 
     /// The truth of an expression; what has no value is false.
@@ -112,7 +114,7 @@ impl<'a> View<'a> {
             Value::Bool(b) => *b,
             Value::Num(x) if truth => *x != 0.0 && !x.is_nan(),
             Value::Missing => false,
-            _ => self.fault(u32::MAX, false),
+            _ => self.fault(false),
         }
     }
 
@@ -147,14 +149,14 @@ impl<'a> View<'a> {
                 self.count_nan(*counter, a, b);
                 compare(*op, a, b, m) && (!(a.is_nan() | b.is_nan()) || (self.is_there(*left) && self.is_there(*right)))
             }
-            Node::Event(e) => self.occurrence(*e).is_some(),
+            Node::Event(e) => self.occurs(*e).is_some(),
             Node::InState { machine, state } => self.inputs.machines.get(*machine) == Some(state),
             Node::Fresh(t) => self.inputs.topics.get(*t).is_some_and(|t| t.fresh),
             Node::Updated(slots) => slots.iter().any(|&s| self.inputs.versions.get(s) > self.seen.get(s)),
             _ => match self.val(id, vars) {
                 Val::Bool(b) => b,
                 Val::None => false,
-                _ => self.fault(id, false),
+                _ => self.fault(false),
             },
         }
     }
@@ -166,7 +168,7 @@ impl<'a> View<'a> {
             Node::Slot(s) => match &self.inputs.slots[*s] {
                 Value::Num(x) => *x,
                 Value::Missing => f64::NAN,
-                _ => self.fault(id, f64::NAN),
+                _ => self.fault(f64::NAN),
             },
             Node::Neg(a) => -self.number(*a, vars),
             Node::Arith(op, a, b) => {
@@ -186,7 +188,7 @@ impl<'a> View<'a> {
             _ => match self.val(id, vars) {
                 Val::Num(x) => x,
                 Val::None => f64::NAN,
-                _ => self.fault(id, f64::NAN),
+                _ => self.fault(f64::NAN),
             },
         }
     }
@@ -200,7 +202,7 @@ impl<'a> View<'a> {
             Node::Reg(r) => (&self.values[*r as usize]).into(),
             Node::Str(s) => Val::Str(s),
             Node::EventField { event, field } => {
-                self.occurrence(*event).and_then(|fields| fields.get(*field)).map_or(Val::None, Val::from)
+                self.occurs(*event).and_then(|fields| fields.get(*field)).map_or(Val::None, Val::from)
             }
             Node::Param(slice) => match self.params.get(*slice) {
                 Some(Some(value)) => value.into(),
@@ -210,25 +212,25 @@ impl<'a> View<'a> {
             Node::Field(of, name) => match self.val(*of, vars) {
                 Val::Ref(v) => v.field(name).map_or(NOTHING, Val::from),
                 Val::None => Val::None,
-                _ => self.fault(id, Val::None),
+                _ => self.fault(Val::None),
             },
             Node::Index(of, i) => match self.val(*of, vars) {
                 Val::Ref(array) => element(array, *i),
                 Val::None => Val::None,
-                _ => self.fault(id, Val::None),
+                _ => self.fault(Val::None),
             },
             Node::Truth(of) => match self.val(*of, vars) {
                 Val::Num(x) => Val::Bool(x != 0.0 && !x.is_nan()),
                 Val::Bool(b) => Val::Bool(b),
                 Val::None => Val::Bool(false),
-                _ => self.fault(id, Val::Bool(false)),
+                _ => self.fault(Val::Bool(false)),
             },
             Node::CompareAny { op, margin, left, right, counter } => {
                 let (a, b) = (self.val(*left, vars), self.val(*right, vars));
                 let m = margin.map_or(0.0, |m| self.number(m, vars));
-                Val::Bool(self.compare_any(id, *op, a, b, m, *counter))
+                Val::Bool(self.compare_any(*op, a, b, m, *counter))
             }
-            Node::Call(func, args) => self.call(id, *func, args, vars),
+            Node::Call(func, args) => self.call(*func, args, vars),
             Node::Any { array, body } => Val::Bool(self.any(*array, *body, vars)),
             Node::Num(_) | Node::Neg(_) | Node::Arith(..) | Node::Age(_) | Node::Frequency(..) => {
                 Val::Num(self.number(id, vars))
@@ -256,6 +258,14 @@ impl<'a> View<'a> {
             Node::Arith(_, a, b) => self.is_there(*a) && self.is_there(*b),
             Node::Call(_, args) => args.iter().all(|&a| self.is_there(a)),
             _ => true,
+        }
+    }
+
+    /// The same as [`View::occurrence`], where it can be told.
+    fn occurs(&self, event: usize) -> Option<&'a [Value]> {
+        match self.inputs.events.get(event) {
+            Some(state) if state.is_unclear => self.fault(None),
+            _ => self.occurrence(event),
         }
     }
 
@@ -288,10 +298,11 @@ impl<'a> View<'a> {
             && let Some(count) = self.notes.nans.get(counter as usize)
         {
             count.set(count.get() + 1);
+            self.notes.met_nan.set(true);
         }
     }
 
-    fn compare_any(&self, id: NodeId, op: Compare, a: Val<'_>, b: Val<'_>, margin: f64, counter: u32) -> bool {
+    fn compare_any(&self, op: Compare, a: Val<'_>, b: Val<'_>, margin: f64, counter: u32) -> bool {
         let same = match (a, b) {
             (Val::Num(a), Val::Num(b)) => {
                 self.count_nan(counter, a, b);
@@ -301,16 +312,16 @@ impl<'a> View<'a> {
             (Val::Bool(a), Val::Bool(b)) => a == b,
             (Val::None, _) | (_, Val::None) => return false,
             (Val::Num(x), Val::Str(_)) | (Val::Str(_), Val::Num(x)) if x.is_nan() => false,
-            _ => return self.fault(id, false),
+            _ => return self.fault(false),
         };
         match op {
             Compare::Eq => same,
             Compare::Ne => !same,
-            _ => self.fault(id, false),
+            _ => self.fault(false),
         }
     }
 
-    fn call<'b>(&self, id: NodeId, func: Func, args: &[NodeId], vars: Option<&Vars<'b>>) -> Val<'b>
+    fn call<'b>(&self, func: Func, args: &[NodeId], vars: Option<&Vars<'b>>) -> Val<'b>
     where
         'a: 'b,
     {
@@ -322,14 +333,14 @@ impl<'a> View<'a> {
                 Val::Ref(Value::Nums(v)) => Val::Num(v.len() as f64),
                 Val::Ref(Value::List(v)) => Val::Num(v.len() as f64),
                 Val::None => Val::Num(f64::NAN),
-                _ => self.fault(id, Val::Num(f64::NAN)),
+                _ => self.fault(Val::Num(f64::NAN)),
             },
-            Func::MinOf => Val::Num(self.fold(id, arg(0), |v| least(v.iter().copied()))),
-            Func::MaxOf => Val::Num(self.fold(id, arg(0), |v| greatest(v.iter().copied()))),
-            Func::Lookup => lookup(arg(0), arg(1), arg(2)).unwrap_or_else(|| self.fault(id, Val::None)),
-            Func::StartsWith => self.text(id, arg(0), arg(1), |a, b| a.starts_with(b)),
-            Func::EndsWith => self.text(id, arg(0), arg(1), |a, b| a.ends_with(b)),
-            Func::Contains => self.text(id, arg(0), arg(1), |a, b| a.contains(b)),
+            Func::MinOf => Val::Num(self.fold(arg(0), |v| least(v.iter().copied()))),
+            Func::MaxOf => Val::Num(self.fold(arg(0), |v| greatest(v.iter().copied()))),
+            Func::Lookup => lookup(arg(0), arg(1), arg(2)).unwrap_or_else(|| self.fault(Val::None)),
+            Func::StartsWith => self.text(arg(0), arg(1), |a, b| a.starts_with(b)),
+            Func::EndsWith => self.text(arg(0), arg(1), |a, b| a.ends_with(b)),
+            Func::Contains => self.text(arg(0), arg(1), |a, b| a.contains(b)),
             _ => {
                 // The longest argument list of a numeric function is that of two quaternions; `min` and `max` may be longer.
                 let mut few = [f64::NAN; 8];
@@ -344,20 +355,20 @@ impl<'a> View<'a> {
         }
     }
 
-    fn fold(&self, id: NodeId, array: Val<'_>, of: impl Fn(&[f64]) -> f64) -> f64 {
+    fn fold(&self, array: Val<'_>, of: impl Fn(&[f64]) -> f64) -> f64 {
         match array {
             Val::Ref(Value::Nums(v)) => of(v),
             Val::Ref(Value::List(v)) if v.is_empty() => f64::NAN,
             Val::None => f64::NAN,
-            _ => self.fault(id, f64::NAN),
+            _ => self.fault(f64::NAN),
         }
     }
 
-    fn text<'b>(&self, id: NodeId, a: Val<'_>, b: Val<'_>, of: impl Fn(&str, &str) -> bool) -> Val<'b> {
+    fn text<'b>(&self, a: Val<'_>, b: Val<'_>, of: impl Fn(&str, &str) -> bool) -> Val<'b> {
         match (a, b) {
             (Val::Str(a), Val::Str(b)) => Val::Bool(of(a, b)),
             (Val::None, _) | (_, Val::None) => Val::Bool(false),
-            _ => self.fault(id, Val::Bool(false)),
+            _ => self.fault(Val::Bool(false)),
         }
     }
 
@@ -368,15 +379,13 @@ impl<'a> View<'a> {
             Val::Ref(Value::Nums(v)) => v.iter().any(|&x| !x.is_nan() && holds(Val::Num(x))),
             Val::Ref(Value::List(v)) => v.iter().any(|v| holds(v.into())),
             Val::None => false,
-            _ => self.fault(array, false),
+            _ => self.fault(false),
         }
     }
 
     #[cold]
-    fn fault<T>(&self, id: NodeId, instead: T) -> T {
-        if self.notes.fault.get().is_none() {
-            self.notes.fault.set(Some(id));
-        }
+    fn fault<T>(&self, instead: T) -> T {
+        self.notes.fault.set(true);
         instead
     }
 }

@@ -51,6 +51,15 @@ pub enum Output<'a> {
 pub trait Observer {
     /// Something happened.
     fn output(&mut self, _inputs: &Inputs, _output: Output<'_>) {}
+
+    /// Whether it wants [`Observer::margin`], which costs time.
+    fn wants_margins(&self) -> bool {
+        false
+    }
+
+    /// By how much the obligations of a property that begin at a position miss changing its verdict; NaN where none begins. It is told where
+    /// margins are computed: at the position itself where it is known then, else when the trace is over, and of a property of both kinds twice.
+    fn margin(&mut self, _property: usize, _instance: &[Option<Value>], _at: Time, _margin: f64) {}
 }
 
 /// Nobody.

@@ -31,8 +31,11 @@ pub(crate) enum Memory {
         pending: VecDeque<i64>,
         reached: Option<i64>,
     },
-    /// The latest stamp at which the operand held, [`NEVER`] for none.
-    Latest(i64),
+    /// The latest stamp at which the operand held, [`NEVER`] for none. While it still `holds` that is the position before.
+    Latest {
+        stamp: i64,
+        holds: bool,
+    },
     /// The stamp at which the operand began to hold without a break, and the last at which it did not.
     Since {
         since: Option<i64>,
@@ -44,8 +47,12 @@ pub(crate) enum Memory {
     Stamps(VecDeque<i64>),
 }
 
-/// Longer ago than any bound reaches, and far enough from the end of time to count from.
+/// No stamp.
 const NEVER: i64 = i64::MIN;
+
+/// When an operator is due again that is due at the very next position. [`i64::MAX`] stands for an operator that only its operands make
+/// due.
+pub(crate) const NOW: i64 = i64::MIN;
 
 impl Memory {
     /// The memory of an operator that has seen nothing.
@@ -55,7 +62,7 @@ impl Memory {
             Op::Delta(_) | Op::Rate(_) => Memory::Before { value: None, stamp: None },
             Op::Previously(_) | Op::Becomes(_) => Memory::Last(false),
             Op::Once(..) | Op::Since(..) => Memory::Held { pending: VecDeque::new(), reached: None },
-            Op::OnceWithin(..) | Op::SinceWithin(..) => Memory::Latest(NEVER),
+            Op::OnceWithin(..) | Op::SinceWithin(..) => Memory::Latest { stamp: NEVER, holds: false },
             Op::Held(..) => Memory::Since { since: None, broken: None },
             Op::Window(..) => Memory::Window(VecDeque::new()),
             Op::Count(..) => Memory::Stamps(VecDeque::new()),
@@ -64,153 +71,262 @@ impl Memory {
     }
 }
 
-/// The registers that the code fills: of each operator a truth value or another value.
+/// The registers that the code fills: of each operator a truth value, sixty-four a word, or another value.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Registers {
-    pub bits: Vec<bool>,
+    pub bits: Vec<u64>,
     pub values: Vec<Value>,
 }
 
 impl Registers {
     pub fn new(ops: usize) -> Registers {
-        Registers { bits: alloc::vec![false; ops], values: alloc::vec![Value::Missing; ops] }
+        Registers { bits: alloc::vec![0; ops.div_ceil(64).max(1)], values: alloc::vec![Value::Missing; ops] }
     }
 
     #[inline]
-    fn bit(&self, bit: Bit) -> bool {
-        self.bits[bit.register()] != bit.is_negated()
+    pub fn bit(&self, bit: Bit) -> bool {
+        bit.of(&self.bits)
     }
 }
 
-/// What the code sees besides its registers.
+/// An instant as the code of some positions sees it.
 #[derive(Clone, Copy)]
-pub(crate) struct Scene<'a> {
+pub(crate) struct Here<'a> {
     pub at: &'a Positions,
     pub inputs: &'a Inputs,
-    pub params: &'a [Option<Value>],
     pub now: i64,
-    pub notes: &'a Notes,
+    /// The values of the slices of this instance.
+    pub params: &'a [Option<Value>],
+    /// For a machine: how often each slot had a value when it sampled last.
     pub seen: &'a [u64],
 }
 
+/// What an operator sees besides the registers.
+#[derive(Clone, Copy)]
+pub(crate) struct Scene<'a> {
+    pub here: Here<'a>,
+    /// The stamp of the position before.
+    pub before: Option<i64>,
+    pub notes: &'a Notes,
+}
+
 impl<'a> Scene<'a> {
-    pub fn view(&self, registers: &'a Registers) -> View<'a> {
-        let Scene { at, inputs, params, now, notes, seen } = *self;
-        View { at, inputs, bits: &registers.bits, values: &registers.values, params, now, notes, seen }
+    pub fn view<'b>(&self, bits: &'b [u64], values: &'b [Value]) -> View<'b>
+    where
+        'a: 'b,
+    {
+        let Here { at, inputs, params, now, seen } = self.here;
+        View { at, inputs, bits, values, params, now, notes: self.notes, seen }
     }
 }
 
 /// Before the first instant a signal has its default: what looks back further than there are instants finds that.
 pub(crate) fn prime(scene: &Scene<'_>, memories: &mut [Memory], registers: &mut Registers) {
-    for (i, op) in scene.at.ops.iter().enumerate() {
-        let view = scene.view(registers);
-        match (op, &mut memories[i]) {
+    let Registers { bits, values } = registers;
+    for (i, (op, memory)) in scene.here.at.ops.iter().zip(memories).enumerate() {
+        let view = scene.view(bits, values);
+        match (op, &mut *memory) {
             (Op::Lookback(node, _), Memory::Ring { values, .. }) => {
                 values.iter_mut().for_each(|v| view.value(*node).store(v))
             }
             (Op::Delta(node) | Op::Rate(node), Memory::Before { value, .. }) => *value = number(&view, *node),
             _ => {}
         }
-        step(i, op, &mut memories[i], scene, false, registers);
-        if let Memory::Before { stamp, .. } = &mut memories[i] {
+        let bit = look_at(i, op, memory, scene, bits, values);
+        set(bits, i, bit);
+        if let Memory::Before { stamp, .. } = memory {
             *stamp = None;
         }
     }
 }
 
-/// Runs the code at a position: every operator's register gets its value, and its memory takes the position in.
-///
-/// `running` is false before position 0, where the instants are looked at only so that `@`, `delta` and `rate` can look back to
-/// them: the past of a property begins at its position 0, so the other operators see nothing there and remember nothing.
-#[inline]
-pub(crate) fn run(scene: &Scene<'_>, memories: &mut [Memory], running: bool, registers: &mut Registers) {
-    for (i, (op, memory)) in scene.at.ops.iter().zip(memories).enumerate() {
-        step(i, op, memory, scene, running, registers);
+/// Runs the code at an instant before position 0, at which it looks only so that `@`, `delta` and `rate` can look back to it: the past of
+/// a property begins at its position 0, so the other operators see nothing there and remember nothing.
+pub(crate) fn look(scene: &Scene<'_>, memories: &mut [Memory], registers: &mut Registers) {
+    let Registers { bits, values } = registers;
+    for (i, (op, memory)) in scene.here.at.ops.iter().zip(memories).enumerate() {
+        let bit = look_at(i, op, memory, scene, bits, values);
+        set(bits, i, bit);
     }
 }
 
-// PERF: what only reads bits does so without building a view; that is nearly all of the code of a logical formula.
-#[inline(always)]
-fn step(i: usize, op: &Op, memory: &mut Memory, scene: &Scene<'_>, running: bool, registers: &mut Registers) {
-    let now = scene.now;
-    let bit = match op {
-        Op::Slot { slot, truth } => match (&scene.inputs.slots[*slot], truth) {
-            (Value::Bool(b), _) => *b,
-            _ => scene.view(registers).slot(*slot, *truth),
-        },
-        Op::And(a, b) => registers.bit(*a) & registers.bit(*b),
-        Op::OnceWithin(most, of) if running => {
-            let Memory::Latest(latest) = memory else { return };
-            if registers.bit(*of) {
-                *latest = now;
-            }
-            *latest != NEVER && now.saturating_sub(*latest) <= *most
+fn look_at(i: usize, op: &Op, memory: &mut Memory, scene: &Scene<'_>, bits: &[u64], values: &mut [Value]) -> bool {
+    match op {
+        Op::Slot { .. } | Op::Holds(_) | Op::And(..) | Op::Iff(..) => now(op, scene, bits, values),
+        Op::Lookback(..) | Op::Delta(_) | Op::Rate(_) | Op::Window(..) | Op::Count(..) => {
+            value(i, op, memory, scene, false, bits, values);
+            false
         }
-        Op::SinceWithin(most, left, right) if running => {
-            let Memory::Latest(latest) = memory else { return };
-            if !registers.bit(*left) {
-                *latest = NEVER;
-            }
-            if registers.bit(*right) {
-                *latest = now;
-            }
-            *latest != NEVER && now.saturating_sub(*latest) <= *most
-        }
-        _ => return step_other(i, op, memory, scene, running, registers),
-    };
-    registers.bits[i] = bit;
+        _ => false,
+    }
 }
 
-/// The operators that are rarer, or cost more than the call.
-fn step_other(i: usize, op: &Op, memory: &mut Memory, scene: &Scene<'_>, running: bool, registers: &mut Registers) {
-    let now = scene.now;
-    let bit = match (op, memory) {
-        (Op::Iff(a, b), _) => registers.bit(*a) == registers.bit(*b),
-        (Op::Holds(node), _) => scene.view(registers).holds(*node),
-        (Op::Lookback(..) | Op::Delta(_) | Op::Rate(_) | Op::Window(..) | Op::Count(..), memory) => {
-            return value(i, op, memory, scene, running, registers);
+/// Sets a truth value.
+#[inline]
+pub(crate) fn set(bits: &mut [u64], i: usize, bit: bool) {
+    let word = &mut bits[i >> 6];
+    *word = (*word & !(1 << (i & 63))) | (u64::from(bit) << (i & 63));
+}
+
+/// Evaluates one of the operators that are nearly all of the code of a logical formula, from the signals and from truth values. Brings
+/// `alarm` forward to when a bound of it runs out. Others are left to [`step`].
+// PERF: without a scene, which would have to be put together for each.
+#[inline]
+pub(crate) fn quick(
+    op: &Op,
+    memory: &mut Memory,
+    slots: &[Value],
+    times: (i64, Option<i64>),
+    alarm: &mut i64,
+    get: impl Fn(Bit) -> bool,
+) -> Option<bool> {
+    match (op, memory) {
+        (Op::Slot { slot, .. }, _) if let Value::Bool(is) = slots[*slot] => Some(is),
+        (Op::And(a, b), _) => Some(get(*a) & get(*b)),
+        (Op::OnceWithin(most, of), Memory::Latest { stamp, holds }) => {
+            Some(recent(times, get(*of), *most, stamp, holds, alarm))
         }
-        _ if !running => false,
-        (Op::Previously(of), Memory::Last(last)) => core::mem::replace(last, registers.bit(*of)),
-        (Op::Becomes(of), Memory::Last(last)) => {
-            let holds = registers.bit(*of);
+        (Op::SinceWithin(most, left, right), Memory::Latest { stamp, holds }) => {
+            if !get(*left) {
+                (*stamp, *holds) = (NEVER, false);
+            }
+            Some(recent(times, get(*right), *most, stamp, holds, alarm))
+        }
+        _ => None,
+    }
+}
+
+/// Whether the operand holds, or did at most so long ago.
+#[inline]
+fn recent(
+    (now, before): (i64, Option<i64>),
+    of: bool,
+    most: i64,
+    stamp: &mut i64,
+    holds: &mut bool,
+    alarm: &mut i64,
+) -> bool {
+    if *holds && let Some(before) = before {
+        *stamp = before;
+    }
+    *holds = of;
+    if of {
+        *stamp = now;
+        return true;
+    }
+    // No stamp is later than now, so that the distance fits.
+    let is = (*stamp != NEVER) & (now.wrapping_sub(*stamp).cast_unsigned() <= most.cast_unsigned());
+    if is {
+        *alarm = (*alarm).min(stamp.saturating_add(most).saturating_add(1));
+    }
+    is
+}
+
+/// The operators without a memory.
+fn now(op: &Op, scene: &Scene<'_>, bits: &[u64], values: &[Value]) -> bool {
+    match op {
+        Op::Slot { slot, truth } => scene.view(bits, values).slot(*slot, *truth),
+        Op::Holds(node) => scene.view(bits, values).holds(*node),
+        Op::And(a, b) => a.of(bits) & b.of(bits),
+        Op::Iff(a, b) => a.of(bits) == b.of(bits),
+        _ => false,
+    }
+}
+
+/// Evaluates the `i`-th operator at a position. Its memory takes in the position, and those since it was evaluated last, at which its
+/// operands were as they were then.
+///
+/// Returns its truth value, and when it is due although no operand changes: see [`NOW`].
+pub(crate) fn step(
+    i: usize,
+    memory: &mut Memory,
+    scene: &Scene<'_>,
+    bits: &[u64],
+    values: &mut [Value],
+) -> (bool, i64) {
+    let Here { at, inputs, now: stamp, .. } = scene.here;
+    let op = &at.ops[i];
+    let mut alarm = i64::MAX;
+    if let Some(known) = quick(op, memory, &inputs.slots, (stamp, scene.before), &mut alarm, |of| of.of(bits)) {
+        return (known, alarm);
+    }
+    match (op, memory) {
+        (Op::Holds(_), _) => {
+            scene.notes.met_nan.set(false);
+            let holds = now(op, scene, bits, values);
+            // Every NaN that a comparison meets is counted, at each position.
+            (holds, if scene.notes.met_nan.get() { NOW } else { i64::MAX })
+        }
+        (Op::Lookback(..) | Op::Delta(_) | Op::Rate(_) | Op::Window(..) | Op::Count(..), memory) => {
+            value(i, op, memory, scene, true, bits, values);
+            (false, NOW)
+        }
+        (Op::Previously(of), Memory::Last(last)) => {
+            let holds = of.of(bits);
             let before = core::mem::replace(last, holds);
-            holds && !before
+            (before, if before == holds { i64::MAX } else { NOW })
+        }
+        (Op::Becomes(of), Memory::Last(last)) => {
+            let holds = of.of(bits);
+            let becomes = holds && !core::mem::replace(last, holds);
+            *last = holds;
+            (becomes, if becomes { NOW } else { i64::MAX })
         }
         (Op::Once(bound, of), Memory::Held { pending, reached }) => {
-            once(bound, registers.bit(*of), now, pending, reached)
+            within(bound, of.of(bits), scene.here.now, pending, reached)
         }
         (Op::Since(bound, left, right), Memory::Held { pending, reached }) => {
-            if !registers.bit(*left) {
+            if !left.of(bits) {
                 pending.clear();
                 *reached = None;
             }
-            once(bound, registers.bit(*right), now, pending, reached)
+            within(bound, right.of(bits), scene.here.now, pending, reached)
         }
         (Op::Held(duration, of), Memory::Since { since, broken }) => {
-            let from = now.saturating_sub(duration.nanos());
-            if registers.bit(*of) {
-                since.get_or_insert(now);
+            if of.of(bits) {
+                held(duration.nanos(), scene, since, broken)
             } else {
-                (*since, *broken) = (None, Some(now));
+                *since = None;
+                (false, i64::MAX)
             }
-            // A position with the very stamp at which the window begins lies inside it.
-            since.is_some_and(|s| s <= from) && broken.is_none_or(|b| b < from)
         }
-        _ => false,
-    };
-    registers.bits[i] = bit;
+        (op, _) => (now(op, scene, bits, values), i64::MAX),
+    }
+}
+
+/// `once` with any bound. While the operand holds, each position adds a stamp.
+fn within(bound: &Bound, holds: bool, now: i64, pending: &mut VecDeque<i64>, reached: &mut Option<i64>) -> (bool, i64) {
+    let is = once(bound, holds, now, pending, reached);
+    let begins =
+        pending.front().map(|stamp| stamp.saturating_add(bound.lo).saturating_add(i64::from(!bound.lo_closed)));
+    let ends = reached.filter(|_| is && bound.has_end());
+    let ends = ends.map(|stamp| stamp.saturating_add(bound.hi).saturating_add(i64::from(bound.hi_closed)));
+    let next = begins.into_iter().chain(ends).min().unwrap_or(i64::MAX);
+    (is, if holds { NOW } else { next })
+}
+
+/// `held for`, where the operand holds: for long enough, and before that not broken inside the window.
+fn held(duration: i64, scene: &Scene<'_>, since: &mut Option<i64>, broken: &mut Option<i64>) -> (bool, i64) {
+    let since = *since.get_or_insert_with(|| {
+        // It did not hold at the position before, if there was one.
+        *broken = scene.before;
+        scene.here.now
+    });
+    // A position with the very stamp at which the window begins lies inside it.
+    let unbroken = broken.map_or(NEVER, |stamp| stamp.saturating_add(1));
+    let from = since.max(unbroken).saturating_add(duration);
+    if scene.here.now >= from { (true, i64::MAX) } else { (false, from) }
 }
 
 /// An operator whose result is no truth value.
-fn value(i: usize, op: &Op, memory: &mut Memory, scene: &Scene<'_>, running: bool, registers: &mut Registers) {
-    let mut out = core::mem::take(&mut registers.values[i]);
-    let view = scene.view(registers);
+fn value(i: usize, op: &Op, memory: &mut Memory, scene: &Scene<'_>, running: bool, bits: &[u64], values: &mut [Value]) {
+    let mut out = core::mem::take(&mut values[i]);
+    let view = scene.view(bits, values);
     match op {
         Op::Window(..) | Op::Count(..) => over_window(op, memory, &view, running, &mut out),
         _ => look_back(op, memory, &view, &mut out),
     }
-    registers.values[i] = out;
+    values[i] = out;
 }
 
 /// A number, where there is one.

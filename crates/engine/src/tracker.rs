@@ -7,7 +7,7 @@ use lapwing_stream::Time;
 use crate::future::{Decided, Segment};
 use crate::node::View;
 use crate::outcome::Episode;
-use crate::program::{At, Bound, Context, ContextKind, Judged, Tracker};
+use crate::program::{At, Context, ContextKind, Judged, Tracker};
 use crate::runs::Runs;
 use crate::times::{Pos, Times};
 
@@ -25,6 +25,8 @@ pub(crate) struct TrackerState {
     taken: Vec<(Pos, Pos)>,
     /// Episodes that are over.
     pub done: Vec<Episode>,
+    /// A value of another kind than the formula needs was met: from there on nothing is judged. Failures that were counted stand.
+    pub is_spoilt: bool,
 }
 
 /// An episode in the making.
@@ -48,7 +50,7 @@ impl TrackerState {
         decided: &[Vec<Decided>],
         times: &Times,
     ) -> Option<i64> {
-        if segment.active && is_obliged(tracker, segment, view.now) {
+        if segment.active && !self.is_spoilt && is_obliged(tracker, segment, view.now) {
             match tracker.formula {
                 Judged::State(formula) => return self.judge(view.bool(formula), n, view.now),
                 Judged::Future(_) => self.open.push(n),
@@ -65,6 +67,9 @@ impl TrackerState {
     #[inline]
     pub fn judge(&mut self, holds: bool, n: Pos, now: i64) -> Option<i64> {
         let mut alarm = None;
+        if self.is_spoilt {
+            return None;
+        }
         if holds {
             self.met += 1;
         } else {
@@ -74,6 +79,18 @@ impl TrackerState {
             self.seal(n);
         }
         alarm
+    }
+
+    /// The same at the positions `from..=to`, the last with the stamp `last`, which fared as the one before them did.
+    pub fn judge_rest(&mut self, holds: bool, (from, to): (Pos, Pos), last: i64) {
+        if self.is_spoilt {
+            return;
+        }
+        if holds {
+            self.met += to - from + 1;
+        } else {
+            self.fail((from, to), last, last);
+        }
     }
 
     /// Ends obligations whose formula was decided in this pass, at this time.
@@ -143,6 +160,13 @@ impl TrackerState {
         });
     }
 
+    /// What is open can no longer be judged.
+    pub fn spoil(&mut self) {
+        self.is_spoilt = true;
+        self.open.clear();
+        self.seal_all();
+    }
+
     /// All segments closed, or the trace ended: all episodes are over.
     pub fn seal_all(&mut self) {
         let done = &mut self.done;
@@ -175,7 +199,8 @@ impl Live {
 pub(crate) fn is_obliged(tracker: &Tracker, segment: &Segment, now: i64) -> bool {
     match tracker.at {
         At::First => segment.first,
-        At::Within(bound) => bound == Bound::ALL || bound.contains(now.saturating_sub(segment.start_stamp)),
+        At::All => true,
+        At::Within(bound) => bound.contains(now.saturating_sub(segment.start_stamp)),
     }
 }
 
@@ -184,6 +209,7 @@ pub(crate) fn can_add(tracker: &Tracker, contexts: &[Context], segments: &[Segme
     let (open, new) = prospects(tracker.context, contexts, segments);
     match tracker.at {
         At::First => new,
+        At::All => new || open,
         At::Within(bound) => {
             let segment = &segments[tracker.context as usize];
             new || (open && (!bound.has_end() || bound.not_over(now.saturating_sub(segment.start_stamp))))

@@ -7,7 +7,7 @@ use lapwing_stream::Value;
 
 use crate::functions::{norm, product, rotate, rotate_back};
 use crate::inputs::Inputs;
-use crate::program::{Object, ObjectSource};
+use crate::program::{Object, ObjectSource, Program};
 
 /// How deep a tree of frames may be.
 const DEEPEST: usize = 1000;
@@ -36,24 +36,32 @@ type Twist = ([f64; 3], [f64; 3]);
 
 impl ObjectMemory {
     /// A message of a topic that moves the object.
-    pub fn message(&mut self, object: &Object, topic: usize, values: &[Value], now: i64, inputs: &mut Inputs) {
+    pub fn message(
+        &mut self,
+        program: &Program,
+        object: &Object,
+        topic: usize,
+        values: &[Value],
+        now: i64,
+        inputs: &mut Inputs,
+    ) {
         let value = |i: usize| values.get(i).unwrap_or(&Value::Missing);
         match &object.source {
             ObjectSource::ModelStates { name, pose, twist } => {
                 let Some(i) = index_of(value(*name), &object.name) else { return };
                 if let Some(pose) = nth(value(*pose), i).and_then(pose_of) {
-                    set(object, pose, nth(value(*twist), i).and_then(twist_of), inputs);
+                    set(program, object, pose, nth(value(*twist), i).and_then(twist_of), inputs);
                 }
             }
             ObjectSource::Odometry { pose, twist } => {
                 if let Some(pose) = pose_of(value(*pose)) {
                     let turned = twist_of(value(*twist)).map(|(l, a)| (rotate(l, pose.turn), rotate(a, pose.turn)));
-                    set(object, pose, turned, inputs);
+                    set(program, object, pose, turned, inputs);
                 }
             }
             ObjectSource::Pose { pose } => {
                 if let Some(pose) = pose_of(value(*pose)) {
-                    self.moved(object, pose, now, inputs);
+                    self.moved(program, object, pose, now, inputs);
                 }
             }
             ObjectSource::Tf { topics, fixed, frame } => {
@@ -61,19 +69,19 @@ impl ObjectMemory {
                 if self.take_transforms(value(*field), fixed, frame)
                     && let Some(pose) = self.pose_in(fixed, frame)
                 {
-                    self.moved(object, pose, now, inputs);
+                    self.moved(program, object, pose, now, inputs);
                 }
             }
         }
     }
 
     /// A pose without velocities: they are differences from the one before.
-    fn moved(&mut self, object: &Object, pose: Pose, now: i64, inputs: &mut Inputs) {
+    fn moved(&mut self, program: &Program, object: &Object, pose: Pose, now: i64, inputs: &mut Inputs) {
         let twist = match self.before {
             Some((stamp, before)) if stamp < now => Some(difference(before, pose, (now - stamp) as f64 / 1e9)),
             _ => None,
         };
-        set(object, pose, twist, inputs);
+        set(program, object, pose, twist, inputs);
         if self.before.is_none_or(|(stamp, _)| stamp < now) {
             self.before = Some((now, pose));
         }
@@ -136,10 +144,10 @@ impl ObjectMemory {
 }
 
 /// Fills the slots that are read of an object.
-fn set(object: &Object, pose: Pose, twist: Option<Twist>, inputs: &mut Inputs) {
+fn set(program: &Program, object: &Object, pose: Pose, twist: Option<Twist>, inputs: &mut Inputs) {
     let mut fill = |i: usize, x: f64| {
         if let Some(slot) = object.slots[i] {
-            inputs.set(slot, &Value::Num(x));
+            inputs.set(program, slot, &Value::Num(x));
         }
     };
     pose.position.iter().enumerate().for_each(|(i, &x)| fill(i, x));

@@ -28,8 +28,8 @@ pub(crate) struct Course<'a> {
     logs: &'a [MachineLog],
     /// For a machine: what it has done so far itself.
     pub(crate) own: RefCell<MachineLog>,
-    /// The first fault met with.
-    fault: RefCell<Option<String>>,
+    /// The first position with a value of a wrong kind, and what is wrong.
+    fault: RefCell<Option<(usize, String)>>,
     /// Values already computed, by expression and position.
     known: RefCell<HashMap<(*const Expr, i64), Value>>,
     /// Truth values already found, by formula, position and what is seen.
@@ -118,9 +118,14 @@ impl<'a> Course<'a> {
         self.instants[self.start.unwrap_or(0) + k].time
     }
 
-    /// The first value of a wrong kind that was met with.
+    /// What is wrong with the first value of a wrong kind.
     pub(crate) fn fault(&self) -> Option<String> {
-        self.fault.borrow().clone()
+        self.fault.borrow().as_ref().map(|(_, what)| what.clone())
+    }
+
+    /// The first position with a value of a wrong kind: what is not decided before it is not judged.
+    pub(crate) fn spoilt_at(&self) -> Option<usize> {
+        self.fault.borrow().as_ref().map(|(position, _)| *position)
     }
 
     /// Whether a formula without future operators holds at position `k`. Before position 0 only lookback gets.
@@ -200,21 +205,21 @@ impl<'a> Course<'a> {
             Kind::Param(slice) => self.params.get(*slice).cloned().unwrap_or_default(),
             Kind::Var(n) => vars.iter().rev().nth(*n).cloned().unwrap_or_default(),
             Kind::Field(record, name) => eval(record).field(name).cloned().unwrap_or_default(),
-            Kind::Index(array, at) => self.or_fault(values::index(&eval(array), *at, is_number(e)), e),
-            Kind::Truth(inner) => self.or_fault(values::truth(&eval(inner)).map(Value::Bool), e),
+            Kind::Index(array, at) => self.or_fault(values::index(&eval(array), *at, is_number(e)), e, k),
+            Kind::Truth(inner) => self.or_fault(values::truth(&eval(inner)).map(Value::Bool), e, k),
             Kind::Neg(inner) => {
-                self.or_fault(values::arithmetic(checked::Arith::Sub, &Value::Num(-0.0), &eval(inner)), e)
+                self.or_fault(values::arithmetic(checked::Arith::Sub, &Value::Num(-0.0), &eval(inner)), e, k)
             }
-            Kind::Arith(op, left, right) => self.or_fault(values::arithmetic(*op, &eval(left), &eval(right)), e),
+            Kind::Arith(op, left, right) => self.or_fault(values::arithmetic(*op, &eval(left), &eval(right)), e, k),
             Kind::Compare { op, margin, left, right } => {
                 let margin = margin.as_ref().map_or(Value::Num(0.0), |m| eval(m));
-                self.or_fault(values::compare(*op, &margin, &eval(left), &eval(right)).map(Value::Bool), e)
+                self.or_fault(values::compare(*op, &margin, &eval(left), &eval(right)).map(Value::Bool), e, k)
             }
             Kind::Not(inner) => Value::Bool(!holds(inner)),
             Kind::Connective(op, left, right) => Value::Bool(connect(*op, holds(left), holds(right))),
             Kind::Call(func, args) => {
                 let args: Vec<Value> = args.iter().map(eval).collect();
-                self.or_fault(values::call(*func, &args, is_number(e)), e)
+                self.or_fault(values::call(*func, &args, is_number(e)), e, k)
             }
             Kind::Quantified { all, array, body } => self.quantified(*all, &eval(array), body, k, vars),
             Kind::Lookback(inner, depth) => self.eval(inner, k - *depth as i64, vars),
@@ -237,27 +242,32 @@ impl<'a> Course<'a> {
 
     /// The checker lets no future operator below an expression or a past operator.
     fn no_state(&self) -> Value {
-        self.remember("a future operator stands inside an expression".into());
+        self.remember("a future operator stands inside an expression".into(), 0);
         Value::Missing
     }
 
     fn condition(&self, e: &Expr, k: i64, vars: &[Value]) -> bool {
         values::condition(&self.eval(e, k, vars)).unwrap_or_else(|fault| {
-            self.remember(fault.0);
+            self.remember(fault.0, k);
             false
         })
     }
 
     /// What cannot be computed counts as NaN or false, and is remembered.
-    fn or_fault(&self, computed: Computed<Value>, e: &Expr) -> Value {
+    fn or_fault(&self, computed: Computed<Value>, e: &Expr, k: i64) -> Value {
         computed.unwrap_or_else(|fault| {
-            self.remember(fault.0);
+            self.remember(fault.0, k);
             if e.ty == Type::Bool { Value::Bool(false) } else { Value::Num(f64::NAN) }
         })
     }
 
-    fn remember(&self, fault: String) {
-        self.fault.borrow_mut().get_or_insert(fault);
+    /// Remembers a fault, unless there is one at an earlier position.
+    fn remember(&self, fault: String, k: i64) {
+        let Ok(position) = usize::try_from(k) else { return };
+        let mut first = self.fault.borrow_mut();
+        if first.as_ref().is_none_or(|(at, _)| position < *at) {
+            *first = Some((position, fault));
+        }
     }
 
     // What is read.
@@ -312,7 +322,7 @@ impl<'a> Course<'a> {
             Ok(Some(elements)) => elements,
             Ok(None) => return Value::Missing,
             Err(fault) => {
-                self.remember(fault.0);
+                self.remember(fault.0, k);
                 return Value::Bool(false);
             }
         };
@@ -332,7 +342,7 @@ impl<'a> Course<'a> {
     /// `e − @{e, -1}`
     fn delta(&self, e: &Expr, k: i64, vars: &[Value]) -> Value {
         let (now, before) = (self.eval(e, k, vars), self.eval(e, k - 1, vars));
-        self.or_fault(values::arithmetic(checked::Arith::Sub, &now, &before), e)
+        self.or_fault(values::arithmetic(checked::Arith::Sub, &now, &before), e, k)
     }
 
     /// `delta(e)` over the seconds since the instant before, NaN where these are 0.
@@ -343,7 +353,7 @@ impl<'a> Course<'a> {
             _ => f64::NAN,
         };
         let seconds = if seconds == 0.0 { f64::NAN } else { seconds };
-        self.or_fault(values::arithmetic(checked::Arith::Div, &delta, &Value::Num(seconds)), e)
+        self.or_fault(values::arithmetic(checked::Arith::Div, &delta, &Value::Num(seconds)), e, k)
     }
 
     /// The positions of `[0, k]`, oldest first; none where `k` is before position 0.
@@ -370,7 +380,7 @@ impl<'a> Course<'a> {
             match values::number(&self.eval(e, j, vars)) {
                 Ok(Some(x)) if !x.is_nan() => entries.push(x),
                 Ok(_) => {}
-                Err(fault) => self.remember(fault.0),
+                Err(fault) => self.remember(fault.0, j),
             }
         }
         Value::Num(match window {

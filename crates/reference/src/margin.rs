@@ -233,11 +233,13 @@ fn connect(op: Connective, a: Margin, b: Margin) -> Margin {
 
 /// The signed distance of a comparison to changing; none where NaN takes part.
 fn distance(op: Compare, m: f64, a: f64, b: f64) -> Margin {
+    // Equal infinities are equal.
+    let gap = if a == b { 0.0 } else { (a - b).abs() };
     let distance = match op {
         Compare::Lt | Compare::Le => b + m - a,
         Compare::Gt | Compare::Ge => a - b + m,
-        Compare::Eq => m - (a - b).abs(),
-        Compare::Ne => (a - b).abs() - m,
+        Compare::Eq => m - gap,
+        Compare::Ne => gap - m,
     };
     (!distance.is_nan()).then_some(distance)
 }

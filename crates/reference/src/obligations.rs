@@ -382,7 +382,11 @@ pub(crate) struct Judged {
 
 /// Judges a formula on a course.
 pub(crate) fn judge(course: &Course<'_>, formula: &Expr) -> Judged {
-    let moments = moments(course, formula);
+    course.compute_everything(formula);
+    let mut moments = moments(course, formula);
+    let spoilt_at = course.spoilt_at();
+    // From a value of a wrong kind on nothing is judged.
+    moments.retain(|m| spoilt_at.is_none_or(|position| m.seen <= position));
     let obligations = of(course, formula);
     let fates: Vec<Fate> = obligations.iter().map(|o| course.fate(o, &moments)).collect();
     let count = |wanted: fn(&Fate) -> bool| fates.iter().filter(|f| wanted(f)).count();
@@ -393,7 +397,7 @@ pub(crate) fn judge(course: &Course<'_>, formula: &Expr) -> Judged {
         tally: Tally {
             met: count(|f| *f == Fate::Met),
             failed: count(|f| matches!(f, Fate::Failed(_))),
-            open: count(|f| matches!(f, Fate::Open(_))),
+            open: if spoilt_at.is_some() { 0 } else { count(|f| matches!(f, Fate::Open(_))) },
             episodes: episodes(course, &obligations, &fates),
         },
         unmet: open_and_false || nothing_came,

@@ -245,7 +245,6 @@ fn judge_formula(
         return Err(never_starts(&property.reads, world.piece));
     }
     let judged = obligations::judge(&course, formula);
-    course.compute_everything(formula);
     Ok(Found {
         tally: judged.tally,
         unmet: judged.unmet,
@@ -253,7 +252,7 @@ fn judge_formula(
         fault: course.fault().or_else(|| blind(world.piece, &needs, trace)),
         entered: vacuity::entries(&course, formula),
         instants: course.len(),
-        margin: margin::of(&course, formula),
+        margin: margin::of(&course, formula).filter(|_| course.spoilt_at().is_none()),
     })
 }
 

@@ -15,6 +15,8 @@ pub(crate) struct Lowering<'c> {
     counters: &'c mut u32,
     /// The counters of the comparisons lowered so far, equal ones included.
     pub used: BTreeSet<u32>,
+    /// The registers of the operators lowered so far, those included that were there already.
+    pub used_ops: BTreeSet<RegId>,
 }
 
 /// A [`Lowering`] at rest, between properties.
@@ -33,7 +35,7 @@ impl Lowered {
     /// Goes on lowering, taking further counters from `counters`.
     pub fn resume<'c>(&mut self, counters: &'c mut u32) -> Lowering<'c> {
         let Lowered { at, nodes, ops } = std::mem::take(self);
-        Lowering { at, nodes, ops, counters, used: BTreeSet::new() }
+        Lowering { at, nodes, ops, counters, used: BTreeSet::new(), used_ops: BTreeSet::new() }
     }
 }
 
@@ -78,6 +80,7 @@ impl<'c> Lowering<'c> {
         if register == next {
             self.at.ops.push(op);
         }
+        self.used_ops.insert(register);
         register
     }
 

@@ -43,7 +43,13 @@ impl GroupLowering {
             trackers: self.trackers,
             looks: self.looks,
             margins: self.margins,
+            rests: false,
         }
+    }
+
+    /// Whether its operators are many enough for a group: an engine that keeps account of each has a bit for sixty-four.
+    pub fn is_full(&self) -> bool {
+        self.expressions.at.ops.len() >= 40
     }
 
     /// Lowers the formula of a property. Returns the counters of its comparisons.
@@ -52,8 +58,10 @@ impl GroupLowering {
         let mut obligations = Obligations { group: self, lowering, property: number };
         obligations.of(formula, &Place { context: WHOLE, gates: Vec::new() });
         let used = obligations.lowering.used.iter().copied().collect();
+        let ops: Vec<usize> = obligations.lowering.used_ops.iter().map(|&op| op as usize).collect();
         let rest = obligations.lowering.rest();
         self.expressions = rest;
+        self.trackers.iter_mut().filter(|t| t.property == number).for_each(|t| t.ops.clone_from(&ops));
         used
     }
 
@@ -114,8 +122,8 @@ impl Obligations<'_, '_> {
     /// What a formula puts at the top of a trace, or as the body of a scope at the first position of each segment.
     fn of(&mut self, f: &Expr, place: &Place) {
         match &f.kind {
-            _ if !f.has_future() => self.put(f, place, At::Within(Bound::ALL), false),
-            Kind::Always(b, body) => self.put_split(body, place, At::Within(bound(b))),
+            _ if !f.has_future() => self.put(f, place, At::All, false),
+            Kind::Always(b, body) => self.put_split(body, place, At::within(bound(b))),
             Kind::Scope(Scope::Whenever, x, body) => self.whenever(x, body, place),
             Kind::Connective(Connective::And, l, r) => {
                 for part in [l, r] {
@@ -162,13 +170,13 @@ impl Obligations<'_, '_> {
         if !x.has_future() && !body.has_future() && place.gates.is_empty() {
             let (x, body) = (self.lowering.formula(x), self.lowering.formula(body));
             let fails = self.lowering.and(x, !body);
-            self.push(place, At::Within(Bound::ALL), Judged::State(!fails), false);
+            self.push(place, At::All, Judged::State(!fails), false);
             return;
         }
         let x = self.value(x, place.context);
         let body = self.value(body, place.context);
         let fails = self.and(place.context, x, negated(body));
-        self.track(negated(fails), place, At::Within(Bound::ALL), false);
+        self.track(negated(fails), place, At::All, false);
     }
 
     /// Directly under `always`, a conjunction with a future operator splits.
@@ -208,6 +216,7 @@ impl Obligations<'_, '_> {
             at,
             formula,
             missed_if_empty: missed && place.context == WHOLE,
+            ops: Vec::new(),
         });
     }
 

@@ -32,7 +32,11 @@ pub fn compile(spec: &checked::Spec) -> engine::Program {
             checked::Clock::Rate(hz) => engine::Clock::Rate(hz),
         },
         timeout: spec.timeout,
-        slots: spec.inputs.iter().map(|i| engine::Slot { default: i.default.clone() }).collect(),
+        slots: spec
+            .inputs
+            .iter()
+            .map(|i| engine::Slot { default: i.default.clone(), ..engine::Slot::default() })
+            .collect(),
         topics: topics(spec),
         columns: columns(spec),
         objects: spec.objects.iter().enumerate().map(|(i, o)| object(spec, i, o)).collect(),
@@ -44,6 +48,7 @@ pub fn compile(spec: &checked::Spec) -> engine::Program {
         margin_limit: MARGIN_LIMIT,
     };
     Grouping::of(spec, counters).into_program(&mut program);
+    program.link();
     program
 }
 
@@ -98,11 +103,11 @@ fn below(e: &Expr, visit: &mut impl FnMut(&Expr)) {
 }
 
 /// Which cell of a row fills which slot.
-fn columns(spec: &checked::Spec) -> Vec<(usize, usize)> {
+fn columns(spec: &checked::Spec) -> Vec<engine::Column> {
     let slots = spec.inputs.iter().enumerate();
     slots
         .filter_map(|(slot, input)| match input.source {
-            InputSource::Column(column) => Some((column, slot)),
+            InputSource::Column(cell) => Some(engine::Column { cell, slot, ..engine::Column::default() }),
             _ => None,
         })
         .collect()
@@ -213,7 +218,8 @@ impl<'a> Grouping<'a> {
         let slices: Vec<_> = property.slices.iter().map(slice).collect();
         let key = SamePositions { reads, alphabet: property.alphabet.clone(), others: format!("{ages:?} {slices:?}") };
         let next = self.lowered.len();
-        let group = *self.groups.entry(key).or_insert(next);
+        let group = self.groups.get(&key).copied().filter(|&group| !self.lowered[group].is_full()).unwrap_or(next);
+        self.groups.insert(key, group);
         if group == next {
             let positions = engine::Positions {
                 reads: property.reads.iter().map(|r| read((r.what, r.depth))).collect(),

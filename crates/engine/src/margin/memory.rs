@@ -114,11 +114,13 @@ fn number(view: &View<'_>, node: NodeId) -> Option<f64> {
 
 /// The signed distance of a comparison to changing.
 fn distance(op: Compare, m: f64, a: f64, b: f64) -> f64 {
+    // Equal infinities are equal.
+    let gap = if a == b { 0.0 } else { (a - b).abs() };
     match op {
         Compare::Lt | Compare::Le => b + m - a,
         Compare::Gt | Compare::Ge => a - b + m,
-        Compare::Eq => m - (a - b).abs(),
-        Compare::Ne => (a - b).abs() - m,
+        Compare::Eq => m - gap,
+        Compare::Ne => gap - m,
     }
 }
 

@@ -8,6 +8,7 @@
 //! the least so far; the rest is stored, column by column, and evaluated at the end ([`duties`], [`terms`], [`scopes`]): the trace is
 //! taken as it is, as if it were all.
 
+mod curve;
 mod duties;
 mod memory;
 mod peak;

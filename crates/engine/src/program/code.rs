@@ -31,6 +31,18 @@ impl Bit {
     pub fn is_negated(self) -> bool {
         self.0 & 1 == 1
     }
+
+    /// The truth value, from those of all registers, sixty-four a word.
+    #[inline]
+    pub(crate) fn of(self, words: &[u64]) -> bool {
+        self.in_word(words[self.register() >> 6])
+    }
+
+    /// The truth value, from the word that its register is in.
+    #[inline]
+    pub(crate) fn in_word(self, word: u64) -> bool {
+        (word.wrapping_shr(self.0 >> 1) ^ u64::from(self.0)) & 1 == 1
+    }
 }
 
 impl core::ops::Not for Bit {

@@ -21,6 +21,9 @@ pub struct Group {
     pub looks: Vec<Look>,
     /// The margins of its properties, of those that have one.
     pub margins: Vec<Plan>,
+    /// Whether its positions need only be counted while none of its signals changes, until a bound runs out. [`Program::link`](super::Program::link)
+    /// fills it.
+    pub rests: bool,
 }
 
 impl Group {
@@ -147,7 +150,7 @@ pub enum Term {
 /// Where obligations arise, and what decides them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tracker {
-    /// The property, a number of [`Program::properties`].
+    /// The property, a number of [`Program::properties`](super::Program::properties).
     pub property: usize,
     /// The segments.
     pub context: ContextId,
@@ -157,6 +160,8 @@ pub struct Tracker {
     pub formula: Judged,
     /// Whether this obligation of a property that never has a position would be missed at the end.
     pub missed_if_empty: bool,
+    /// The operators that its property stands on.
+    pub ops: Vec<usize>,
 }
 
 /// What an obligation asks.
@@ -173,8 +178,17 @@ pub enum Judged {
 pub enum At {
     /// The first.
     First,
+    /// All.
+    All,
     /// All at this distance from the first.
     Within(Bound),
+}
+
+impl At {
+    /// All within a bound, which may be none.
+    pub fn within(bound: Bound) -> At {
+        if bound == Bound::ALL { At::All } else { At::Within(bound) }
+    }
 }
 
 /// Where a scope is looked at, and whether it was entered there: what vacuity counts.

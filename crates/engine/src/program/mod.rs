@@ -2,9 +2,11 @@
 
 mod code;
 mod formula;
+mod wiring;
 
 pub use code::*;
 pub use formula::*;
+pub use wiring::*;
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -33,7 +35,7 @@ pub struct Program {
     /// The topics.
     pub topics: Vec<Topic>,
     /// Which cell of a row fills which slot.
-    pub columns: Vec<(usize, usize)>,
+    pub columns: Vec<Column>,
     /// The objects of the ground truth.
     pub objects: Vec<Object>,
     /// The events.
@@ -55,6 +57,19 @@ pub struct Program {
 pub struct Slot {
     /// Its value before the first sample.
     pub default: Option<Value>,
+    /// What another value of it makes due. [`Program::link`] fills it.
+    pub wakes: Vec<Wake>,
+}
+
+/// A cell of a row that fills a slot.
+#[derive(Clone, Debug, Default)]
+pub struct Column {
+    /// The number of the cell.
+    pub cell: usize,
+    /// The slot.
+    pub slot: usize,
+    /// What another value of the slot makes due.
+    pub wakes: Vec<Wake>,
 }
 
 /// A topic.
@@ -131,6 +146,8 @@ pub struct Positions {
     pub nodes: Vec<Node>,
     /// The code, in the order of evaluation.
     pub ops: Vec<Op>,
+    /// What makes each operator due, where that is kept account of. [`Program::link`] fills it.
+    pub wiring: Option<Wiring>,
 }
 
 /// What a start waits for.

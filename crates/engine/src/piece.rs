@@ -1,0 +1,298 @@
+//! A stretch of trace in which time never goes back: the clock, deadlines in their order, instants.
+
+use alloc::vec::Vec;
+
+use lapwing_stream::{Sample, Time, What};
+
+use crate::feed::Ending;
+use crate::inputs::Inputs;
+use crate::instances::Instances;
+use crate::machine::MachineMemory;
+use crate::outcome::{Observer, Outcome, Output};
+use crate::past::NOW;
+use crate::program::{Clock, Program, Read};
+use crate::world::ObjectMemory;
+
+/// At most so many instants of a rate between two samples; a longer silence starts everything anew, as a jump back does.
+const TICKS: i128 = 10_000_000;
+
+/// A stretch of trace in which time never goes back.
+#[derive(Clone, Debug)]
+pub(crate) struct Piece {
+    pub(crate) inputs: Inputs,
+    pub(crate) machines: Vec<MachineMemory>,
+    pub(crate) groups: Vec<Instances>,
+    pub(crate) objects: Vec<ObjectMemory>,
+    /// The first sample that was read.
+    pub(crate) t0: Option<i64>,
+    /// The last sample of any kind, [`i64::MIN`] before the first, and the last that the timeout let through.
+    pub(crate) newest: i64,
+    pub(crate) last: Option<i64>,
+    /// The last instant that all share, [`i64::MIN`] before the first.
+    last_instant: i64,
+    /// The next instant of a rate.
+    pub(crate) tick: u64,
+    pub(crate) instants: u64,
+    /// Before this time nothing happens by itself, and nothing times out.
+    quiet_until: i64,
+    /// Whether anything ever does.
+    is_timed: bool,
+    /// Before this time all groups rest, as long as nothing wakes one.
+    calm_until: i64,
+    /// Per property: which of its silences was too long, from when to when.
+    pub(crate) stale: Vec<Option<(usize, i64, i64)>>,
+    /// Whether a property minds the silence of a signal that comes in rows, and when each slot last got a value.
+    pub(crate) minds_slots: bool,
+    pub(crate) heard: Vec<Option<i64>>,
+    /// Per topic: messages in all, and those that no instant saw.
+    pub(crate) messages: Vec<(u64, u64)>,
+}
+
+impl Piece {
+    pub(crate) fn new(program: &Program) -> Piece {
+        let counters = program.properties.iter().flat_map(|p| &p.counters).max().map_or(0, |&c| c as usize + 1);
+        let inputs = Inputs::new(program);
+        Piece {
+            machines: program.machines.iter().map(|m| MachineMemory::new(m, &inputs, counters)).collect(),
+            groups: program.groups.iter().map(|g| Instances::new(g, &inputs, counters)).collect(),
+            inputs,
+            objects: alloc::vec![ObjectMemory::default(); program.objects.len()],
+            t0: None,
+            newest: i64::MIN,
+            last: None,
+            last_instant: i64::MIN,
+            tick: 0,
+            instants: 0,
+            quiet_until: i64::MIN,
+            calm_until: NOW,
+            is_timed: is_timed(program),
+            stale: alloc::vec![None; program.properties.len()],
+            minds_slots: program.properties.iter().flat_map(|p| &p.stale).any(|s| matches!(s.of, Read::Slot(_))),
+            heard: alloc::vec![None; program.slots.len()],
+            messages: alloc::vec![(0, 0); program.topics.len()],
+        }
+    }
+
+    /// Computes margins as well.
+    pub(crate) fn measure(&mut self, program: &Program) {
+        for (instances, plan) in self.groups.iter_mut().zip(&program.groups) {
+            instances.cores.iter_mut().for_each(|core| core.measure(plan, &self.inputs, program.margin_limit));
+        }
+    }
+
+    #[inline]
+    pub(crate) fn is_timed_out(&self, program: &Program, now: i64) -> bool {
+        match (program.timeout, self.t0) {
+            (Some(timeout), Some(t0)) => now > t0.saturating_add(timeout.nanos()),
+            _ => false,
+        }
+    }
+
+    /// Whether more instants of a rate lie before this time than anyone could want.
+    #[inline]
+    pub(crate) fn is_absurd(&self, program: &Program, now: i64) -> bool {
+        let Clock::Rate(rate) = program.clock else { return false };
+        match (self.last, self.t0) {
+            (Some(last), Some(_)) => (i128::from(now) - i128::from(last)) * i128::from(rate) > TICKS * 1_000_000_000,
+            _ => false,
+        }
+    }
+
+    /// The time of the next instant of a rate; there is none beyond the end of time.
+    fn next_tick(&self, program: &Program) -> Option<i64> {
+        match (program.clock, self.t0) {
+            (Clock::Rate(rate), Some(t0)) => {
+                let since = i128::from(self.tick) * 1_000_000_000 / i128::from(rate.max(1));
+                i64::try_from(i128::from(t0) + since).ok()
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether time goes on to `now`, and nothing happens on the way.
+    #[inline]
+    pub(crate) fn is_quiet_until(&self, now: i64) -> bool {
+        self.newest <= now && now < self.quiet_until
+    }
+
+    /// Takes a sample in; its time has come.
+    #[inline]
+    pub(crate) fn take(&mut self, program: &Program, sample: Sample<'_>, tell: &mut impl Observer) {
+        let now = sample.time.0;
+        self.newest = now;
+        self.last = Some(now);
+        if !matches!(sample.what, What::Other) {
+            self.t0.get_or_insert(now);
+            self.take_in(program, sample);
+            if program.clock == Clock::Events {
+                self.instant(program, now, tell);
+            }
+        }
+        self.quiet_until = if self.is_timed { self.look_ahead(program) } else { i64::MAX };
+    }
+
+    /// Finds out until when nothing happens by itself, and nothing times out.
+    fn look_ahead(&mut self, program: &Program) -> i64 {
+        let times_out = match (program.timeout, self.t0) {
+            (Some(timeout), Some(t0)) => t0.saturating_add(timeout.nanos()).saturating_add(1),
+            _ => i64::MAX,
+        };
+        self.next_by_itself(program).min(times_out)
+    }
+
+    /// The next time at which something happens by itself.
+    pub(crate) fn next_by_itself(&mut self, program: &Program) -> i64 {
+        let tick = self.next_tick(program);
+        [self.next_flip(program), self.next_bound(program), tick].into_iter().flatten().min().unwrap_or(i64::MAX)
+    }
+
+    /// Everything that happens before what has the stamp `now` comes in.
+    pub(crate) fn pass_time(&mut self, program: &Program, now: i64, tell: &mut impl Observer) {
+        match program.clock {
+            Clock::Rate(_) => {
+                while let Some(tick) = self.next_tick(program).filter(|&tick| tick < now) {
+                    self.tick(program, tick, tell);
+                }
+            }
+            Clock::Events => {
+                while let Some(flip) = self.next_flip(program).filter(|&flip| flip < now) {
+                    self.flip(program, flip, tell);
+                }
+            }
+        }
+        self.advance(program, now, tell);
+    }
+
+    fn tick(&mut self, program: &Program, at: i64, tell: &mut impl Observer) {
+        self.advance(program, at, tell);
+        self.instant(program, at, tell);
+        self.tick += 1;
+    }
+
+    /// Bounds that end before `now` are over.
+    fn advance(&mut self, program: &Program, now: i64, tell: &mut impl Observer) {
+        for (i, (memory, plan)) in self.machines.iter_mut().zip(&program.machines).enumerate() {
+            memory.advance(plan, i, &self.inputs, now, tell);
+        }
+        for (instances, plan) in self.groups.iter_mut().zip(&program.groups) {
+            for core in &mut instances.cores {
+                core.advance(plan, &self.inputs, now, tell);
+            }
+        }
+    }
+
+    fn next_bound(&self, program: &Program) -> Option<i64> {
+        let machines = self.machines.iter().zip(&program.machines).enumerate();
+        let machines = machines.filter_map(|(i, (memory, plan))| memory.deadline(plan, i, &self.inputs));
+        let cores = self.groups.iter().flat_map(|g| &g.cores).filter_map(|c| c.graph.deadline().map(|d| d.0));
+        machines.chain(cores).min()
+    }
+
+    fn next_flip(&mut self, program: &Program) -> Option<i64> {
+        let inputs = &self.inputs;
+        let machines = self.machines.iter_mut().zip(&program.machines);
+        let machines = machines.filter_map(|(memory, plan)| memory.walk.next_flip(&plan.at, inputs));
+        let groups = self.groups.iter_mut().zip(&program.groups).filter(|(_, plan)| !plan.at.ages.is_empty());
+        let groups = groups.filter_map(|(g, plan)| g.cores.first_mut()?.walk.next_flip(&plan.at, inputs));
+        machines.chain(groups).min()
+    }
+
+    /// An instant of its own for those whose comparison of an age changes now, unless one has this stamp.
+    fn flip(&mut self, program: &Program, at: i64, tell: &mut impl Observer) {
+        let is_new = self.last_instant != at;
+        self.inputs.end_instant();
+        for (i, (memory, plan)) in self.machines.iter_mut().zip(&program.machines).enumerate() {
+            if memory.walk.next_flip(&plan.at, &self.inputs) == Some(at) {
+                memory.walk.pass_flips(&plan.at, at);
+                if is_new {
+                    memory.advance(plan, i, &self.inputs, at, tell);
+                    memory.step(plan, i, &mut self.inputs, at, tell);
+                }
+            }
+        }
+        for (number, (instances, plan)) in self.groups.iter_mut().zip(&program.groups).enumerate() {
+            for core in &mut instances.cores {
+                if core.walk.next_flip(&plan.at, &self.inputs) == Some(at) {
+                    core.walk.pass_flips(&plan.at, at);
+                    if is_new {
+                        core.advance(plan, &self.inputs, at, tell);
+                        core.step(plan, &self.inputs, self.inputs.due[number], at, program.open_limit, tell);
+                    }
+                }
+            }
+        }
+        self.inputs.end_instant();
+    }
+
+    /// An instant that all share.
+    #[inline]
+    fn instant(&mut self, program: &Program, now: i64, tell: &mut impl Observer) {
+        // PERF: most instants of most recordings change nothing that matters; where all rest they cost no more than this.
+        if self.inputs.woken || now >= self.calm_until {
+            self.step(program, now, tell);
+        }
+        self.instants += 1;
+        self.last_instant = now;
+        tell.output(&self.inputs, Output::Instant(Time(now)));
+        self.inputs.end_instant();
+    }
+
+    /// The machines and the groups take an instant in, but for those that rest.
+    #[inline(never)]
+    fn step(&mut self, program: &Program, now: i64, tell: &mut impl Observer) {
+        for (i, (memory, plan)) in self.machines.iter_mut().zip(&program.machines).enumerate() {
+            memory.step(plan, i, &mut self.inputs, now, tell);
+        }
+        self.inputs.woken = false;
+        let mut calm_until = if program.machines.is_empty() { i64::MAX } else { NOW };
+        for (number, (instances, plan)) in self.groups.iter_mut().zip(&program.groups).enumerate() {
+            let due = core::mem::take(&mut self.inputs.due[number]);
+            for core in &mut instances.cores {
+                if due != 0 || now >= core.rests_until(plan) {
+                    core.wake(plan, self.instants, self.last_instant);
+                    core.step(plan, &self.inputs, due, now, program.open_limit, tell);
+                }
+                calm_until = calm_until.min(core.rests_until(plan));
+            }
+        }
+        self.calm_until = calm_until;
+    }
+
+    /// The outcome of every property.
+    pub(crate) fn finish(&mut self, program: &Program, ending: &Ending, tell: &mut impl Observer) -> Vec<Outcome> {
+        let last = self.last.unwrap_or_default();
+        while let Some(tick) = self.next_tick(program).filter(|&tick| tick <= last) {
+            self.tick(program, tick, tell);
+        }
+        for topic in 0..program.topics.len() {
+            self.note_silence(program, Read::Topic(topic), last);
+            self.messages[topic].1 += u64::from(self.inputs.topics[topic].fresh);
+        }
+        if self.minds_slots {
+            (0..program.slots.len()).for_each(|slot| self.note_silence(program, Read::Slot(slot), last));
+        }
+        for (instances, plan) in self.groups.iter_mut().zip(&program.groups) {
+            for core in &mut instances.cores {
+                core.wake(plan, self.instants, self.last_instant);
+                core.end(plan, &self.inputs, last);
+                if tell.wants_margins() {
+                    core.tell_late_margins(plan, last, tell);
+                }
+            }
+        }
+        (0..program.properties.len()).flat_map(|p| self.judge(program, p, ending)).collect()
+    }
+}
+
+/// Whether anything in a program happens by the mere passing of time.
+fn is_timed(program: &Program) -> bool {
+    let ages = program
+        .groups
+        .iter()
+        .map(|g| &g.at)
+        .chain(program.machines.iter().map(|m| &m.at))
+        .any(|at| !at.ages.is_empty());
+    let stays = program.machines.iter().flat_map(|m| &m.states).any(|s| s.at_most.is_some());
+    let waits = program.groups.iter().any(|g| !g.futures.is_empty());
+    program.clock != Clock::Events || program.timeout.is_some() || ages || stays || waits
+}

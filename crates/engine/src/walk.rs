@@ -1,0 +1,212 @@
+//! The walk of a machine or a group through its positions: when they begin, and which operators a position makes due.
+//!
+//! An operator is evaluated where one of its operands changed, where a bound of it runs out, and at the position after if it says so;
+//! everywhere else it keeps its value. So a position costs what changed at it, not what there is.
+
+use alloc::vec::Vec;
+
+use crate::inputs::Inputs;
+use crate::node::{Notes, View};
+use crate::past::{self, Here, Memory, NOW, Registers, Scene};
+use crate::program::{Positions, Wiring};
+
+/// Where a machine or a group stands in its positions.
+#[derive(Clone, Debug)]
+pub(crate) struct Walk {
+    /// Whether position 0 has come.
+    pub started: bool,
+    /// For how many instants each read has been defined.
+    waited: Vec<usize>,
+    /// What the code has computed.
+    pub registers: Registers,
+    memories: Vec<Memory>,
+    /// The stamp of the latest position.
+    pub last: Option<i64>,
+    /// The operators that are due at the next position, whatever comes.
+    again: u64,
+    /// The first position with this stamp or a later one makes all timed operators due.
+    alarm: i64,
+    pub notes: Notes,
+    /// The operators that met a value of another kind than they need: what they say from then on means nothing.
+    pub faults: Vec<usize>,
+    /// For each comparison of an age: the message that its flips count from, and the next flip.
+    flips: Vec<(Option<i64>, usize)>,
+}
+
+impl Walk {
+    /// `inputs` are those before anything has come.
+    pub fn new(at: &Positions, inputs: &Inputs, counters: usize) -> Walk {
+        let mut walk = Walk::blank(at, counters);
+        let Walk { registers, memories, notes, .. } = &mut walk;
+        let here = Here { at, inputs, now: 0, params: &[], seen: &inputs.versions };
+        past::prime(&Scene { here, before: None, notes }, memories, registers);
+        walk.notes = Notes::new(counters);
+        walk
+    }
+
+    fn blank(at: &Positions, counters: usize) -> Walk {
+        Walk {
+            started: false,
+            waited: alloc::vec![0; at.reads.len()],
+            registers: Registers::new(at.ops.len()),
+            memories: at.ops.iter().map(Memory::new).collect(),
+            last: None,
+            again: 0,
+            alarm: i64::MAX,
+            notes: Notes::new(counters),
+            faults: Vec::new(),
+            flips: alloc::vec![(None, 0); at.ages.len()],
+        }
+    }
+
+    /// Takes an instant in, at which signals that changed made operators due; whether it is a position.
+    pub fn enter(&mut self, here: Here<'_>, due: u64) -> bool {
+        if let Some(alphabet) = &here.at.alphabet {
+            if alphabet.iter().any(|&e| here.inputs.is_unclear(e)) {
+                self.faults = (0..here.at.ops.len()).collect();
+            }
+            let view = self.view(here);
+            if !alphabet.iter().any(|&e| view.occurrence(e).is_some()) {
+                return false;
+            }
+            self.started = true;
+        } else if !self.started {
+            self.started = self.is_ready(here.at, here.inputs);
+        }
+        if self.started {
+            self.run(here, due);
+        } else {
+            let Walk { registers, memories, notes, .. } = self;
+            past::look(&Scene { here, before: None, notes }, memories, registers);
+            self.notes.nans.iter().for_each(|n| n.set(0));
+            self.notes.fault.set(false);
+        }
+        self.started
+    }
+
+    /// Runs what is due at a position.
+    #[inline]
+    pub fn run(&mut self, here: Here<'_>, due: u64) {
+        match &here.at.wiring {
+            Some(wiring) if self.last.is_some() => self.run_due(here, wiring, due),
+            _ => self.run_all(here),
+        }
+        self.last = Some(here.now);
+    }
+
+    /// Runs what is due. All truth values are in one word.
+    #[inline]
+    fn run_due(&mut self, here: Here<'_>, wiring: &Wiring, due: u64) {
+        let mut due = due | self.again | wiring.always;
+        if here.now >= self.alarm {
+            due |= wiring.timed;
+            self.alarm = i64::MAX;
+        }
+        let (ops, slots, times) = (&here.at.ops[..], &here.inputs.slots[..], (here.now, self.last));
+        let (mut word, mut alarm, mut again) = (self.registers.bits[0], self.alarm, 0);
+        while due != 0 {
+            let i = due.trailing_zeros() as usize;
+            due &= due - 1;
+            let quick = past::quick(&ops[i], &mut self.memories[i], slots, times, &mut alarm, |of| of.in_word(word));
+            let bit = quick.unwrap_or_else(|| {
+                let (bit, next) = self.step(i, word, here);
+                again |= u64::from(next == NOW) << i;
+                alarm = if next == NOW { alarm } else { alarm.min(next) };
+                bit
+            });
+            let changed = ((word >> i) & 1) ^ u64::from(bit);
+            word ^= changed << i;
+            due |= wiring.readers[i] & changed.wrapping_neg();
+        }
+        (self.again, self.alarm) = (again, alarm);
+        self.registers.bits[0] = word;
+    }
+
+    /// Evaluates an operator that is not quick.
+    #[inline(never)]
+    fn step(&mut self, i: usize, word: u64, here: Here<'_>) -> (bool, i64) {
+        let scene = Scene { here, before: self.last, notes: &self.notes };
+        let stepped = past::step(i, &mut self.memories[i], &scene, &[word], &mut self.registers.values);
+        note_fault(&self.notes, &mut self.faults, i);
+        stepped
+    }
+
+    /// Runs everything: at position 0, and where there is more than can be kept account of.
+    #[inline(never)]
+    fn run_all(&mut self, here: Here<'_>) {
+        let Walk { registers, memories, notes, again, alarm, faults, .. } = self;
+        let Registers { bits, values } = registers;
+        let scene = Scene { here, before: self.last, notes };
+        (*again, *alarm) = (0, i64::MAX);
+        for (i, memory) in memories.iter_mut().enumerate() {
+            let (bit, next) = past::step(i, memory, &scene, bits, values);
+            past::set(bits, i, bit);
+            note_fault(notes, faults, i);
+            match next {
+                NOW => *again |= 1_u64.checked_shl(i as u32).unwrap_or(0),
+                next => *alarm = (*alarm).min(next),
+            }
+        }
+    }
+
+    /// Before when nothing is due as long as no signal changes.
+    #[inline]
+    pub fn quiet_until(&self) -> i64 {
+        if self.again == 0 { self.alarm } else { NOW }
+    }
+
+    /// Whether everything has been defined for long enough.
+    fn is_ready(&mut self, at: &Positions, inputs: &Inputs) -> bool {
+        let mut ready = true;
+        for ((read, depth), waited) in at.reads.iter().zip(&mut self.waited) {
+            *waited += usize::from(inputs.defined(*read));
+            ready &= *waited > *depth;
+        }
+        ready
+    }
+
+    /// The reads that are still missing.
+    pub fn missing(&self, at: &Positions) -> impl Iterator<Item = usize> {
+        self.waited.iter().zip(&at.reads).enumerate().filter(|(_, (w, (_, depth)))| *w <= depth).map(|(i, _)| i)
+    }
+
+    pub fn view<'a>(&'a self, here: Here<'a>) -> View<'a> {
+        let Registers { bits, values } = &self.registers;
+        Scene { here, before: self.last, notes: &self.notes }.view(bits, values)
+    }
+
+    /// The next time at which a comparison of an age changes its value.
+    pub fn next_flip(&mut self, at: &Positions, inputs: &Inputs) -> Option<i64> {
+        let mut next: Option<i64> = None;
+        for (age, (since, i)) in at.ages.iter().zip(&mut self.flips) {
+            let last = inputs.topics.get(age.topic).and_then(|t| t.last);
+            if *since != last {
+                (*since, *i) = (last, 0);
+            }
+            if let (Some(last), Some(after)) = (last, age.after.get(*i)) {
+                let flip = last.saturating_add(after.nanos());
+                next = Some(next.map_or(flip, |n| n.min(flip)));
+            }
+        }
+        next
+    }
+
+    /// The flips up to this time are over.
+    pub fn pass_flips(&mut self, at: &Positions, until: i64) {
+        for (age, (since, i)) in at.ages.iter().zip(&mut self.flips) {
+            while let (Some(last), Some(after)) = (*since, age.after.get(*i)) {
+                if last.saturating_add(after.nanos()) > until {
+                    break;
+                }
+                *i += 1;
+            }
+        }
+    }
+}
+
+/// Remembers that an operator met a fault, where it did.
+fn note_fault(notes: &Notes, faults: &mut Vec<usize>, op: usize) {
+    if notes.fault.take() && !faults.contains(&op) {
+        faults.push(op);
+    }
+}
