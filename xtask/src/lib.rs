@@ -3,8 +3,11 @@
 #![forbid(unsafe_code)]
 
 pub mod agree;
+pub mod big;
 pub mod exhaustive;
+pub mod patterns;
 pub mod random;
+pub mod robots;
 pub mod robust;
 pub mod suite;
 pub mod tidy;

@@ -1,8 +1,13 @@
 //! `cargo run --release -p xtask -- agree --random 20000 [--seed N]`: whether engine and reference say the same.
+//!
+//! `cargo run --release -p xtask -- big [--gigabytes 2]`: whether memory stays where it is however long a recording is.
 
-use std::process::ExitCode;
+use std::path::Path;
+use std::process::{Command, ExitCode};
+use std::{env, fs, io};
 
 use clap::{Parser, Subcommand};
+use xtask::big::{Comparison, Kind, SPEC};
 use xtask::random::{Told, run};
 
 /// Chores of the repository.
@@ -26,10 +31,50 @@ enum Chore {
         #[arg(long, default_value_t = 3)]
         show: usize,
     },
+    /// Check big recordings of every format, and fail where memory grows with their length.
+    Big {
+        /// How long the longest are, in thousand million bytes.
+        #[arg(long, default_value_t = 2.0)]
+        gigabytes: f64,
+    },
 }
 
 fn main() -> ExitCode {
-    let Chore::Agree { random, seed, show } = Arguments::parse().chore;
+    match Arguments::parse().chore {
+        Chore::Agree { random, seed, show } => agree(random, seed, show),
+        Chore::Big { gigabytes } => big(gigabytes).unwrap_or_else(|error| {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }),
+    }
+}
+
+/// Each format in a temporary folder, checked by the tool that was built beside this program.
+fn big(gigabytes: f64) -> io::Result<ExitCode> {
+    let lapwing = env::current_exe()?.with_file_name("lapwing");
+    if !lapwing.is_file() {
+        return Err(io::Error::other(format!("{} is not there: cargo build --release", lapwing.display())));
+    }
+    let folder = tempfile::tempdir()?;
+    let spec = folder.path().join("big.rv");
+    fs::write(&spec, SPEC)?;
+    let mut code = ExitCode::SUCCESS;
+    for kind in Kind::ALL {
+        let check = |path: &Path| {
+            let mut command = Command::new(&lapwing);
+            command.arg("check").arg(&spec).arg(path);
+            command
+        };
+        let comparison = Comparison::new(kind, folder.path(), (gigabytes * 1e9) as u64, &check)?;
+        println!("{comparison}");
+        if !comparison.is_fine() {
+            code = ExitCode::FAILURE;
+        }
+    }
+    Ok(code)
+}
+
+fn agree(random: u64, seed: u64, show: usize) -> ExitCode {
     let (mut differences, mut refused) = (0, 0);
     for seed in seed..seed.saturating_add(random) {
         match run(seed) {

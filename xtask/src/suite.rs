@@ -17,9 +17,9 @@ use lapwing_check::checked::{self, EventSource, Step};
 use lapwing_check::compile::compile;
 use lapwing_check::{Checked, TraceShape, TraceTopic};
 use lapwing_diag::{Diagnostic, Severity};
-use lapwing_record::{Format, Item, Part, Recording, Wanted};
+use lapwing_record::{Cells, Format, Item, Part, Recording, Wanted};
 use lapwing_reference::{Arrival, Trace};
-use lapwing_stream::{Name, Time, Value, Verdict};
+use lapwing_stream::{Time, Value, Verdict};
 
 use crate::agree::{self, Drive};
 
@@ -277,8 +277,9 @@ fn homes(text: &str, path: &Path) -> Vec<(&'static str, Result<Vec<Line>, String
     };
     vec![
         ("the reference", lines(agree::reference(&spec, &trace))),
-        ("the engine", lines(agree::engine(&program, &trace, Drive::Straight))),
-        ("the engine from snapshots", lines(agree::engine(&program, &trace, Drive::Snapshots))),
+        ("the engine with margins", lines(agree::engine(&program, &trace, Drive::Measured))),
+        ("the engine", lines(agree::engine(&program, &trace, Drive::Plain))),
+        ("the engine from saved states", lines(agree::engine(&program, &trace, Drive::Saved))),
         ("the library", library),
         ("the printed report", printed),
     ]
@@ -356,9 +357,7 @@ fn trace(spec: &checked::Spec, recording: Recording) -> Result<Trace, String> {
 }
 
 fn arrival(spec: &checked::Spec, item: &Item<'_>) -> Arrival {
-    let named = |cells: &[(Name, Value)], name: &str| {
-        cells.iter().find(|(n, _)| **n == *name).map_or(Value::Missing, |(_, value)| value.clone())
-    };
+    let named = |cells: &Cells<'_>, name: &str| cells.get(name).cloned().unwrap_or_default();
     match item {
         Item::Message { wanted: Some(topic), values, .. } => {
             Arrival::Message { topic: *topic, values: values.to_vec() }

@@ -17,9 +17,9 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The files of a folder of the fuzzer, by name.
+/// The files of a folder that belong to a target, by name.
 fn inputs(folder: &str, target: &str) -> Vec<(String, Vec<u8>)> {
-    let folder = root().join("fuzz").join(folder).join(target);
+    let folder = root().join(folder).join(target);
     let files = fs::read_dir(folder).into_iter().flatten().flatten().map(|e| e.path());
     let mut all: Vec<_> = files.map(|p| (p.display().to_string(), fs::read(&p).expect("an input"))).collect();
     all.sort();
@@ -48,15 +48,24 @@ fn all_survive(inputs: impl Iterator<Item = (Target, String, Vec<u8>)>) {
 fn what_was_found_stays_found() {
     let of = |(name, target): &(&str, Target)| {
         let target = *target;
-        inputs("regressions", name).into_iter().map(move |(path, input)| (target, path, input))
+        inputs("fuzz/regressions", name).into_iter().map(move |(path, input)| (target, path, input))
     };
     all_survive(TARGETS.iter().flat_map(of));
 }
 
 #[test]
+fn what_led_the_fuzzer_on_does_no_harm() {
+    for (name, target) in TARGETS {
+        let corpus = inputs("corpus/hostile", name);
+        assert!(corpus.len() >= 8, "corpus/hostile/{name} has {} files", corpus.len());
+        all_survive(corpus.into_iter().map(|(path, input)| (*target, path, input)));
+    }
+}
+
+#[test]
 fn every_target_has_seeds_which_do_no_harm() {
     for (name, target) in TARGETS {
-        let seeds = inputs("seeds", name);
+        let seeds = inputs("fuzz/seeds", name);
         assert!(!seeds.is_empty(), "fuzz/seeds/{name} has no files");
         all_survive(seeds.into_iter().map(|(path, input)| (*target, path, input)));
     }
@@ -102,7 +111,7 @@ impl Random {
 
 /// Mutations of the seeds of a target.
 fn mutations_survive(name: &'static str, rounds: usize) {
-    let seeds = inputs("seeds", name);
+    let seeds = inputs("fuzz/seeds", name);
     let mut random = Random(0x9e37_79b9_7f4a_7c15);
     let pick = |random: &mut Random| seeds[random.below(seeds.len())].1.clone();
     let inputs = (0..rounds).map(|_| {

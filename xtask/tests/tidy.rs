@@ -50,6 +50,11 @@ fn the_engine_has_no_clock_and_no_environment() {
 }
 
 #[test]
+fn the_simulator_gives_the_same_bits_everywhere() {
+    none(&tidy::inexact_simulator(&tidy::files(&root())));
+}
+
+#[test]
 fn every_code_has_a_page_and_a_test() {
     none(&tidy::codes(&tidy::files(&root())));
 }

@@ -1,5 +1,7 @@
 //! The order in which a specification is checked.
 
+use std::collections::BTreeSet;
+
 use lapwing_diag::{Code, Diagnostic, Severity, SourceMap};
 
 use crate::checked::Spec;
@@ -44,6 +46,7 @@ pub fn check(sources: &SourceMap, loaded: &Loaded, trace: Option<&TraceShape>) -
         sources,
         names: &names,
         graph: &graph,
+        definitions: &loaded.definitions,
         trace,
         machines,
         margin: None,
@@ -53,6 +56,7 @@ pub fn check(sources: &SourceMap, loaded: &Loaded, trace: Option<&TraceShape>) -
         event_found: Vec::new(),
         lambdas: 0,
         budget: MOST_NODES,
+        expanded: BTreeSet::new(),
     };
     settings::read(&mut cx);
     declare::check(&mut cx);
@@ -61,7 +65,7 @@ pub fn check(sources: &SourceMap, loaded: &Loaded, trace: Option<&TraceShape>) -
     property::build_all(&mut cx);
     reaction::read(&mut cx);
     if trace.is_none() {
-        declare::unused_definitions(&mut cx);
+        declare::unused(&mut cx);
     }
     lint::text(&mut cx);
     Checked { spec: cx.spec, diagnostics: in_order(cx.diagnostics) }

@@ -1,14 +1,18 @@
 //! What is carried through the check: the specification as far as it is built, what was found wrong, and where in the text we are.
 
+use std::collections::BTreeSet;
+
 use lapwing_diag::{Code, Diagnostic, Label, Severity, SourceMap, Span};
 use lapwing_stream::Type;
-use lapwing_syntax::ast;
+use lapwing_syntax::ast::{self, ExprKind};
 
 use crate::checked::{Dim, Expr, Kind, Spec};
+use crate::definitions::Definitions;
 use crate::graph::Graph;
 use crate::machine::MachineTable;
 use crate::names::Names;
 use crate::trace::TraceShape;
+use crate::walk;
 
 /// Expressions nested more deeply, after expansion, are refused: everything behind the check may recurse.
 const DEEPEST: usize = 600;
@@ -21,6 +25,8 @@ pub(crate) struct Cx<'a> {
     pub sources: &'a SourceMap,
     pub names: &'a Names<'a>,
     pub graph: &'a Graph,
+    /// The messages that reactions write.
+    pub definitions: &'a Definitions,
     pub trace: Option<&'a TraceShape>,
     pub machines: MachineTable,
     /// The default margin, where one is set.
@@ -36,6 +42,8 @@ pub(crate) struct Cx<'a> {
     pub lambdas: usize,
     /// How many nodes may still be built.
     pub budget: usize,
+    /// The patterns that have been expanded.
+    pub expanded: BTreeSet<usize>,
 }
 
 /// What was found wrong with one property, machine or event.
@@ -133,6 +141,10 @@ pub(crate) struct Env<'e> {
     pub vars: Vec<Var>,
     /// The variables of `for each … of`, outermost first.
     pub slices: &'e [String],
+    /// The variables of `for each … in topics` while no trace says what they stand for.
+    pub topics: &'e [String],
+    /// The parameters of a pattern that is read by itself: they may stand for anything.
+    pub unknown: &'e [ast::Ident],
     /// In an event's `when`: that event.
     pub event: Option<usize>,
     /// In a machine's `sample when`.
@@ -164,6 +176,17 @@ impl<'e> Env<'e> {
     /// The same place, inside something that forbids the future.
     pub fn inside(&self, what: &'static str, span: Span) -> Env<'e> {
         Env { no_future: self.no_future.or(Some((what, span))), ..self.deeper() }
+    }
+
+    /// Whether an expression has a parameter in it that may stand for anything.
+    pub fn is_open(&self, expr: &ast::Expr) -> bool {
+        let mut open = false;
+        let is_unknown = |name: &str| self.unknown.iter().any(|p| p.name == name);
+        walk::every(expr, |e| match &e.kind {
+            ExprKind::Path(idents) => open |= idents.first().is_some_and(|head| is_unknown(&head.name)),
+            _ => open |= walk::duration_names(e).into_iter().any(|name| is_unknown(&name.name)),
+        });
+        open
     }
 
     /// One level further in.

@@ -1,7 +1,7 @@
 //! The declarations of signals, models, ground truth and patterns, checked whether anyone uses them or not.
 
 use lapwing_diag::{Code, Diagnostic};
-use lapwing_syntax::ast::{ItemKind, Pattern};
+use lapwing_syntax::ast::{Expr, ItemKind, Pattern};
 
 use crate::call::is_function;
 use crate::context::{Cx, Env};
@@ -30,16 +30,39 @@ pub(crate) fn check(cx: &mut Cx) {
     cx.apart(world::declare_sources);
 }
 
-/// Reads the named expressions that nothing uses, for the faults in them: without a trace, where nothing else comes of it.
-pub(crate) fn unused_definitions(cx: &mut Cx) {
+/// Reads the named expressions and the patterns that nothing uses, for the faults in them: without a trace, where nothing else
+/// comes of it. What is used by another of them is read with that.
+pub(crate) fn unused(cx: &mut Cx) {
     let names = cx.names;
-    for (index, entry) in names.items.iter().enumerate() {
-        let ItemKind::Definition(definition) = &entry.item.kind else { continue };
-        let unused = cx.graph.users(index).next().is_none() && !cx.graph.is_cyclic(index);
-        if unused && !is_judged(cx, index, &definition.each) {
-            cx.apart(|cx| cx.lower(&Env::default(), &definition.body));
+    let own = |&index: &usize| !names.items[index].shipped && !cx.graph.is_cyclic(index);
+    let (used, unused): (Vec<usize>, Vec<usize>) =
+        (0..names.items.len()).filter(own).partition(|&index| cx.graph.users(index).next().is_some());
+    for index in unused {
+        match &names.items[index].item.kind {
+            ItemKind::Definition(d) if !is_judged(cx, index, &d.each) => aside(cx, &Env::default(), &d.body),
+            ItemKind::Pattern(pattern) => by_itself(cx, pattern),
+            _ => {}
         }
     }
+    for index in used {
+        match &names.items[index].item.kind {
+            ItemKind::Pattern(pattern) if !cx.expanded.contains(&index) => by_itself(cx, pattern),
+            _ => {}
+        }
+    }
+}
+
+/// Reads a pattern whatever its arguments will be: for what none of them could cure.
+fn by_itself(cx: &mut Cx, pattern: &Pattern) {
+    let env = Env { unknown: &pattern.params, sampling: true, ..Env::default() };
+    aside(cx, &env, &pattern.body);
+}
+
+/// Reads an expression for the faults in it; what it reads is wanted of no recording.
+fn aside(cx: &mut Cx, env: &Env, expr: &Expr) {
+    let spec = cx.spec.clone();
+    cx.apart(|cx| cx.lower(env, expr));
+    cx.spec = spec;
 }
 
 fn shadows_function(cx: &mut Cx, env: &Env, pattern: &Pattern) {

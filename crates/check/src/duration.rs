@@ -9,7 +9,7 @@ use crate::context::{Cx, Env};
 use crate::names::Named;
 
 impl Cx<'_> {
-    /// A duration as it stands in a bound; `None` where an error has been reported.
+    /// A duration as it stands in a bound; `None` where an error has been reported, or where a parameter may stand for anything.
     pub fn duration(&mut self, env: &Env, duration: &ast::Dur) -> Option<Duration> {
         match duration {
             ast::Dur::Literal(duration, _) => Some(*duration),
@@ -67,7 +67,7 @@ impl Cx<'_> {
 
     fn computed_duration(&mut self, env: &Env, expr: &ast::Expr) -> Option<Duration> {
         let lowered = self.lower(env, expr).value(self, env);
-        if self.found.failed {
+        if self.found.failed || env.is_open(expr) {
             return None;
         }
         let Some(seconds) = constant(&lowered).filter(|_| says_seconds(&lowered)) else {

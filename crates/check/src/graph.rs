@@ -143,11 +143,30 @@ pub(crate) fn exprs(kind: &ItemKind) -> Vec<&ast::Expr> {
         ItemKind::Pattern(p) => vec![&p.body],
         ItemKind::Property(p) => vec![&p.body],
         ItemKind::Definition(d) => vec![&d.body],
+        ItemKind::Reaction(r) => r.actions.iter().filter_map(written).flat_map(values).collect(),
+        ItemKind::Guard(g) => g.instead.iter().flat_map(|(_, message)| values(message)).collect(),
         ItemKind::Machine(m) => {
             let states = m.states.iter().filter_map(|s| s.when.as_ref());
             m.sample.iter().chain(states).chain(m.edges.iter().filter_map(|e| e.when.as_ref())).collect()
         }
         _ => Vec::new(),
+    }
+}
+
+/// The message that an action sends.
+fn written(action: &ast::Action) -> Option<&ast::Literal> {
+    match action {
+        ast::Action::Publish(_, _, message) | ast::Action::Call(_, _, message) => Some(message),
+        _ => None,
+    }
+}
+
+/// The single values of a message.
+fn values(message: &ast::Literal) -> Vec<&ast::Expr> {
+    match message {
+        ast::Literal::Value(expr) => vec![expr],
+        ast::Literal::List(list, _) => list.iter().flat_map(values).collect(),
+        ast::Literal::Record(fields, _) => fields.iter().flat_map(|(_, value)| values(value)).collect(),
     }
 }
 
@@ -180,7 +199,8 @@ fn variables(kind: &ItemKind) -> Vec<&str> {
     }
 }
 
-/// The names that stand beside the expressions of a statement. Reactions and guards do not count: they use nobody's formula.
+/// The names that stand beside the expressions of a statement. The property that a reaction or guard
+/// waits for does not count: they do not use its formula.
 fn beside(kind: &ItemKind) -> Vec<&str> {
     let sliced = quantifiers(kind).iter().filter_map(|e| match &e.set {
         EachSet::Values(event, _) => Some(event),

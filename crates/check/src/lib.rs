@@ -24,6 +24,8 @@ pub mod checked;
 pub mod compile;
 
 mod check;
+mod definitions;
+mod library;
 mod load;
 mod trace;
 
@@ -36,6 +38,7 @@ mod declare;
 mod event;
 mod inputs;
 mod machine;
+mod message;
 mod property;
 mod reaction;
 mod reads;
@@ -57,5 +60,7 @@ mod suggest;
 mod walk;
 
 pub use check::{Checked, check};
+pub use definitions::MessageTypes;
+pub use library::{LIBRARIES, Library, ShippedPattern};
 pub use load::{Loaded, load};
 pub use trace::{TraceShape, TraceTopic};

@@ -1,9 +1,16 @@
 //! A specification together with the files that it uses, read once and checked as often as there are traces.
 
+use std::collections::BTreeSet;
+
 use lapwing_diag::{Code, Diagnostic, SourceMap, Span};
 use lapwing_syntax::ast;
 
+use crate::call::is_function;
+use crate::definitions::Definitions;
+use crate::graph::exprs;
+use crate::library::LIBRARIES;
 use crate::suggest;
+use crate::walk;
 
 /// A specification and its libraries, ready to be checked.
 #[derive(Clone, Debug, Default)]
@@ -11,9 +18,20 @@ pub struct Loaded {
     /// The specification itself.
     pub(crate) file: ast::File,
     /// What it uses, directly or through others, each file once.
-    pub(crate) libraries: Vec<ast::File>,
+    pub(crate) used: Vec<Used>,
+    /// The definitions of the messages that its reactions write, as far as they are known.
+    pub(crate) definitions: Definitions,
     /// What went wrong on the way.
     pub(crate) diagnostics: Vec<Diagnostic>,
+}
+
+/// A used file.
+#[derive(Clone, Debug)]
+pub(crate) struct Used {
+    /// What is in it.
+    pub file: ast::File,
+    /// Whether it comes with Lapwing: then its names give way to those of others.
+    pub shipped: bool,
 }
 
 impl Loaded {
@@ -28,65 +46,118 @@ impl Loaded {
     }
 }
 
-/// The libraries that come with Lapwing, by name, with their text.
-const SHIPPED: &[(&str, &str)] = &[];
+impl Loaded {
+    /// Leaves out the shipped patterns that are not called: a library costs only what is used of it. Where a call means nothing that is
+    /// known they all stay, for one of them may have been meant.
+    fn leave_out_what_nobody_calls(&mut self) {
+        let own = self.used.iter().filter(|used| !used.shipped).map(|used| &used.file).chain([&self.file]);
+        let called: BTreeSet<String> = own.flat_map(|file| &file.items).flat_map(calls).collect();
+        let patterns: BTreeSet<&str> = self
+            .used
+            .iter()
+            .map(|used| &used.file)
+            .chain([&self.file])
+            .flat_map(|file| &file.items)
+            .filter_map(pattern)
+            .collect();
+        if called.iter().all(|name| is_function(name) || patterns.contains(name.as_str())) {
+            for used in self.used.iter_mut().filter(|used| used.shipped) {
+                used.file.items.retain(|item| pattern(item).is_some_and(|name| called.contains(name)));
+            }
+        }
+    }
+}
+
+/// The name of a pattern.
+fn pattern(item: &ast::Item) -> Option<&str> {
+    match &item.kind {
+        ast::ItemKind::Pattern(pattern) => Some(&pattern.name.name),
+        _ => None,
+    }
+}
+
+/// The functions and patterns that a statement calls.
+fn calls(item: &ast::Item) -> Vec<String> {
+    let mut called = Vec::new();
+    for expr in exprs(&item.kind) {
+        walk::every(expr, |e| {
+            if let ast::ExprKind::Call(name, _) = &e.kind {
+                called.push(name.name.clone());
+            }
+        });
+    }
+    called
+}
 
 /// So many files a specification may use.
 const MOST_FILES: usize = 256;
 
 /// Reads the files that `file` uses. `resolve` gives the text of a file whose path is relative to the specification's own folder.
 pub fn load(sources: &mut SourceMap, file: ast::File, resolve: &dyn Fn(&str) -> Option<String>) -> Loaded {
-    let mut loader = Loader { sources, resolve, seen: Vec::new(), loaded: Loaded::default() };
-    loader.follow(&file, "");
+    let root = file.items.first().map(|item| sources.name(item.span.file).to_owned()).unwrap_or_default();
+    let folder = root.rsplit_once('/').map_or("", |(folder, _)| folder);
+    // A file that uses the specification itself brings in nothing new.
+    let seen = vec![joined("", &root)];
+    let mut loader = Loader { sources, resolve, folder, seen, loaded: Loaded::default() };
+    loader.follow(&file);
     loader.loaded.file = file;
+    loader.loaded.leave_out_what_nobody_calls();
     loader.loaded
 }
 
 struct Loader<'a> {
     sources: &'a mut SourceMap,
     resolve: &'a dyn Fn(&str) -> Option<String>,
+    /// Where the specification stands.
+    folder: &'a str,
+    /// The files that need not be read any more, by the names that reports have for them.
     seen: Vec<String>,
     loaded: Loaded,
 }
 
 impl Loader<'_> {
-    /// Loads what `file` uses; breadth first, so that no chain of files is too long for the stack.
-    fn follow(&mut self, file: &ast::File, folder: &str) {
-        let mut queue = self.uses(file, folder);
+    /// Loads what `file` uses; with a list of what is left to do, so that no chain of files is too long for the stack.
+    fn follow(&mut self, file: &ast::File) {
+        let mut queue = uses(file, "");
         while let Some(wanted) = queue.pop() {
-            if self.seen.contains(&wanted.path) || self.seen.len() == MOST_FILES {
+            let name = wanted.name(self.folder);
+            if self.seen.contains(&name) {
                 continue;
             }
-            self.seen.push(wanted.path.clone());
+            if self.seen.len() > MOST_FILES {
+                self.loaded.diagnostics.push(wanted.one_too_many());
+                return;
+            }
+            self.seen.push(name.clone());
             let Some(text) = self.text(&wanted) else { continue };
-            let id = self.sources.add(wanted.path.clone(), text.clone());
+            let id = self.sources.add(name, text.clone());
             let parsed = lapwing_syntax::parse(id, &text);
             self.loaded.diagnostics.extend(parsed.diagnostics);
-            let folder = wanted.path.rsplit_once('/').map_or("", |(folder, _)| folder).to_owned();
-            queue.extend(self.uses(&parsed.file, &folder));
-            self.loaded.libraries.push(parsed.file);
+            let folder = wanted.path.rsplit_once('/').map_or("", |(folder, _)| folder);
+            queue.extend(uses(&parsed.file, folder));
+            self.loaded.used.push(Used { file: parsed.file, shipped: wanted.shipped });
         }
     }
 
-    /// The files that a file uses, the first last.
-    fn uses(&self, file: &ast::File, folder: &str) -> Vec<Wanted> {
-        let uses = file.items.iter().filter_map(|item| match &item.kind {
-            ast::ItemKind::Use(used) => Some((used, item.span)),
-            _ => None,
-        });
-        let mut wanted: Vec<Wanted> = uses.map(|(used, span)| Wanted::new(used, span, folder)).collect();
-        wanted.reverse();
-        wanted
-    }
-
     fn text(&mut self, wanted: &Wanted) -> Option<String> {
-        let shipped = SHIPPED.iter().find(|(name, _)| *name == wanted.path).map(|(_, text)| (*text).to_owned());
-        let text = if wanted.shipped { shipped } else { (self.resolve)(&wanted.path) };
+        let text = match wanted.shipped {
+            true => LIBRARIES.iter().find(|library| library.name == wanted.path).map(|l| l.text.to_owned()),
+            false => (self.resolve)(&wanted.path),
+        };
         if text.is_none() {
             self.loaded.diagnostics.push(wanted.unknown());
         }
         text
     }
+}
+
+/// The files that a file uses, the first last.
+fn uses(file: &ast::File, folder: &str) -> Vec<Wanted> {
+    let uses = file.items.iter().rev().filter_map(|item| match &item.kind {
+        ast::ItemKind::Use(used) => Some(Wanted::new(used, item.span, folder)),
+        _ => None,
+    });
+    uses.collect()
 }
 
 /// A path beside another file, without detours: `deeper` and `../mine.rv` give `mine.rv`.
@@ -123,26 +194,34 @@ impl Wanted {
         }
     }
 
+    /// What reports call it: the path as seen from where the specification was named.
+    fn name(&self, folder: &str) -> String {
+        if self.shipped { self.path.clone() } else { joined(folder, &self.path) }
+    }
+
     fn unknown(&self) -> Diagnostic {
         if !self.shipped {
-            return Diagnostic::new(
-                Code::UnknownLibrary,
-                self.span,
-                format!("the file `{}` cannot be read", self.path),
-            )
-            .label("no such file beside this one")
-            .help("the path is relative to the file that uses it");
+            let message = format!("the file `{}` cannot be read", self.path);
+            return Diagnostic::new(Code::UnknownLibrary, self.span, message)
+                .label("no such file, or none that is a text")
+                .help("the path is relative to the file that uses it")
+                .help("a library that comes with Lapwing is named without quotes: `use std.robot`");
         }
-        let names: Vec<&str> = SHIPPED.iter().map(|(name, _)| *name).collect();
-        let guess = suggest::nearest(&self.path, names.iter().copied());
-        let there = match names.is_empty() {
-            true => "this version ships no library yet".to_owned(),
-            false => format!("the libraries are {}", suggest::listed(names)),
-        };
+        let names = || LIBRARIES.iter().map(|library| library.name);
+        let guess = suggest::nearest(&self.path, names());
         let message = format!("there is no library `{}`{}", self.path, suggest::or_else(guess));
-        Diagnostic::new(Code::UnknownLibrary, self.span, message)
+        let mut diagnostic = Diagnostic::new(Code::UnknownLibrary, self.span, message)
             .label("unknown library")
-            .help(there)
-            .help("a pattern of your own can stand in a file beside this one: `use \"mine.rv\"`")
+            .help(format!("the libraries are {}", suggest::listed(names())))
+            .help("a pattern of your own can stand in a file beside this one: `use \"mine.rv\"`");
+        if let Some(guess) = guess {
+            diagnostic = diagnostic.fix(self.span, format!("use {guess}"));
+        }
+        diagnostic
+    }
+
+    fn one_too_many(&self) -> Diagnostic {
+        let message = format!("a specification uses {MOST_FILES} files at most");
+        Diagnostic::new(Code::TooLarge, self.span, message).label("one too many")
     }
 }

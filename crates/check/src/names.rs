@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use lapwing_diag::{Code, Diagnostic, Span};
 use lapwing_syntax::ast::{self, Item, ItemKind};
 
-use crate::load::Loaded;
+use crate::load::{Loaded, Used};
 
 /// A statement and where it comes from.
 #[derive(Clone, Copy)]
@@ -14,6 +14,8 @@ pub(crate) struct Entry<'a> {
     pub item: &'a Item,
     /// Whether it stands in a used file: then it declares, but is not judged.
     pub library: bool,
+    /// Whether that file comes with Lapwing.
+    pub shipped: bool,
 }
 
 /// All that is declared. The numbers are those of `items`.
@@ -54,9 +56,10 @@ impl<'a> Names<'a> {
     /// Collects all declarations; what is declared twice is reported, and the first counts.
     pub fn collect(loaded: &'a Loaded, diagnostics: &mut Vec<Diagnostic>) -> Names<'a> {
         let mut names = Names::default();
-        let libraries = loaded.libraries.iter().flat_map(|f| &f.items).map(|item| Entry { item, library: true });
-        let own = loaded.file.items.iter().map(|item| Entry { item, library: false });
-        for entry in libraries.chain(own) {
+        let entries =
+            |used: &'a Used| used.file.items.iter().map(|item| Entry { item, library: true, shipped: used.shipped });
+        let own = loaded.file.items.iter().map(|item| Entry { item, library: false, shipped: false });
+        for entry in loaded.used.iter().flat_map(entries).chain(own) {
             names.add(entry, diagnostics);
         }
         names
@@ -69,8 +72,10 @@ impl<'a> Names<'a> {
             ItemKind::World(world) => self.worlds.push(world),
             ItemKind::Model(model) => self.add_model(model, diagnostics),
             ItemKind::Pattern(p) => match self.patterns.get(p.name.name.as_str()) {
-                Some(&first) => diagnostics.push(self.duplicate(first, &p.name)),
-                None => _ = self.patterns.insert(&p.name.name, index),
+                // The names of a shipped library are nobody's business: they give way.
+                Some(_) if entry.shipped => {}
+                Some(&first) if !self.items[first].shipped => diagnostics.push(self.duplicate(first, &p.name)),
+                _ => _ = self.patterns.insert(&p.name.name, index),
             },
             kind => {
                 let Some(name) = declared(kind) else { return };

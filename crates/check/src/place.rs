@@ -218,7 +218,10 @@ pub(crate) fn field_type(cx: &mut Cx, env: &Env, ty: &Type, name: &Ident) -> Opt
     let message = format!("{} has no field `{}`{}", schema.name, name.name, suggest::or_else(guess));
     let mut diagnostic = Diagnostic::new(Code::UnknownField, name.span, message)
         .label("not a field of this type")
-        .help(format!("its fields are {}", suggest::listed(fields())));
+        .help(match schema.fields.is_empty() {
+            true => "it has no fields at all".to_owned(),
+            false => format!("its fields are {}", suggest::listed(fields())),
+        });
     if let Some(guess) = guess {
         diagnostic = diagnostic.fix(name.span, guess);
     }

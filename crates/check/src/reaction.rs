@@ -5,6 +5,8 @@ use lapwing_syntax::ast::{Action, Guard, Ident, ItemKind, Reaction, TypePath};
 
 use crate::checked;
 use crate::context::{Cx, Env};
+use crate::definitions::Half;
+use crate::message;
 use crate::names::declared;
 use crate::property::is_judged;
 use crate::suggest;
@@ -26,7 +28,7 @@ pub(crate) fn read(cx: &mut Cx) {
 fn on_violation(cx: &mut Cx, env: &Env, reaction: &Reaction, span: Span) -> checked::Reaction {
     property(cx, env, &reaction.property);
     let at_most_every = reaction.at_most_every.as_ref().and_then(|d| cx.duration(env, d));
-    let actions = reaction.actions.iter().map(|action| in_words(cx, action)).collect();
+    let actions = reaction.actions.iter().map(|action| self::action(cx, env, action)).collect();
     checked::Reaction { property: reaction.property.name.clone(), at_most_every, actions, span }
 }
 
@@ -34,20 +36,35 @@ fn of_guard(cx: &mut Cx, env: &Env, guard: &Guard, span: Span) -> checked::React
     property(cx, env, &guard.property);
     cx.topic(&guard.from.absolute(), guard.from.span);
     cx.topic(&guard.to.absolute(), guard.to.span);
+    if guard.to.absolute() == guard.from.absolute() {
+        let diagnostic =
+            Diagnostic::new(Code::Misplaced, guard.from.span, "a guard passes messages from one topic to another")
+                .label("this is the topic that is guarded")
+                .help("let the sender publish on another topic, and name that after `from`");
+        cx.report(env, diagnostic);
+    }
+    if let Some((ty, message)) = &guard.instead {
+        message::check(cx, env, &guard.to, ty, Half::Whole, message);
+    }
     let instead = guard.instead.as_ref().map_or("drop".to_owned(), |(ty, _)| format!("publish {}", type_name(ty)));
     let fail = if guard.fail_open { " fail open" } else { "" };
     let action = format!("guard {} from {} else {instead}{fail}", guard.to.absolute(), guard.from.absolute());
     checked::Reaction { property: guard.property.name.clone(), at_most_every: None, actions: vec![action], span }
 }
 
-fn in_words(cx: &mut Cx, action: &Action) -> String {
+/// Checks an action and says it in words.
+fn action(cx: &mut Cx, env: &Env, action: &Action) -> String {
     let dotted = |names: &[Ident]| names.iter().map(|n| n.name.as_str()).collect::<Vec<_>>().join(".");
     match action {
-        Action::Publish(topic, ty, _) => {
+        Action::Publish(topic, ty, message) => {
             cx.topic(&topic.absolute(), topic.span);
+            message::check(cx, env, topic, ty, Half::Whole, message);
             format!("publish {} {}", topic.absolute(), type_name(ty))
         }
-        Action::Call(service, ty, _) => format!("call {} {}", service.absolute(), type_name(ty)),
+        Action::Call(service, ty, message) => {
+            message::check(cx, env, service, ty, Half::Request, message);
+            format!("call {} {}", service.absolute(), type_name(ty))
+        }
         Action::Request(activity) => format!("request {}", dotted(activity)),
         Action::Run(handler) => format!("run {}", handler.name),
         Action::Reset(_) => "reset".to_owned(),
@@ -55,7 +72,8 @@ fn in_words(cx: &mut Cx, action: &Action) -> String {
     }
 }
 
-fn type_name(ty: &TypePath) -> String {
+/// A type as it is written.
+pub(crate) fn type_name(ty: &TypePath) -> String {
     match &ty.package {
         Some(package) => format!("{}/{}", package.name, ty.name.name),
         None => ty.name.name.clone(),
@@ -68,6 +86,9 @@ fn property(cx: &mut Cx, env: &Env, name: &Ident) {
     let item = names.values.get(name.name.as_str()).copied();
     let found = item.map(|i| &names.items[i].item.kind);
     match (item, found) {
+        (Some(item), Some(ItemKind::Property(_) | ItemKind::Machine(_))) if names.items[item].library => {
+            elsewhere(cx, env, name, item);
+        }
         (_, Some(ItemKind::Property(_) | ItemKind::Machine(_))) => {}
         (Some(item), Some(ItemKind::Definition(d))) if is_judged(cx, item, &d.each) => {}
         (Some(item), Some(ItemKind::Definition(_))) => not_judged(cx, env, name, item),
@@ -84,6 +105,15 @@ fn not_judged(cx: &mut Cx, env: &Env, name: &Ident, item: usize) {
     }
     diagnostic = diagnostic.help(format!("to have it judged, write `property {0}: …` instead of `{0} = …`", name.name));
     cx.report(env, diagnostic);
+}
+
+fn elsewhere(cx: &mut Cx, env: &Env, name: &Ident, item: usize) {
+    let message = format!("`{}` stands in a used file and is not judged here, so it is never violated", name.name);
+    let mut diagnostic = Diagnostic::new(Code::NotJudged, name.span, message).label("no property of this file");
+    if let Some(there) = declared(&cx.names.items[item].item.kind) {
+        diagnostic = diagnostic.also(there.span, "declared here");
+    }
+    cx.report(env, diagnostic.help("move it into this file, or make it a pattern that this file uses"));
 }
 
 fn unknown(cx: &mut Cx, env: &Env, name: &Ident) {

@@ -22,6 +22,9 @@ impl Cx<'_> {
     pub fn path(&mut self, env: &Env, idents: &[Ident], span: Span) -> Term {
         let Some((head, rest)) = idents.split_first() else { return Term::poison(span) };
         let at = env.place(span);
+        if let Some(term) = self.of_topic(env, head, rest) {
+            return term.at(at);
+        }
         if let Some(local) = self.local(env, head) {
             let argument = rest.is_empty() && env.params.iter().any(|(name, _)| *name == head.name);
             let term = self.fields(env, local, rest);
@@ -56,6 +59,9 @@ impl Cx<'_> {
                 span: head.span,
             }));
         }
+        if env.unknown.iter().any(|name| name.name == head.name) {
+            return Some(column(head.name.clone(), Dim::UNKNOWN, head.span));
+        }
         if let Some((_, arg)) = env.params.iter().find(|(name, _)| *name == head.name) {
             let caller = env.caller.map_or_else(Env::default, Env::clone);
             let event = env.event.or(caller.event);
@@ -65,6 +71,38 @@ impl Cx<'_> {
         }
         let slice = env.slices.iter().rposition(|name| *name == head.name)?;
         Some(Term::Expr(Expr { kind: Kind::Param(slice), ty: Type::Any, dim: Dim::UNKNOWN, span: head.span }))
+    }
+
+    /// `topic.header.stamp`, where the parameter `topic` stands for `/odom`: a field of its latest message.
+    fn of_topic(&mut self, env: &Env, head: &Ident, rest: &[Ident]) -> Option<Term> {
+        if rest.is_empty() || !env.params.iter().any(|(name, _)| *name == head.name) {
+            return None;
+        }
+        let name = ast::Expr { kind: ast::ExprKind::Path(vec![head.clone()]), span: head.span, parens: false };
+        let (caller, argument) = self.argument(env, &name);
+        let ast::ExprKind::Topic(topic) = &argument.kind else { return None };
+        let Some(topic) = self.without_holes(&caller, topic) else { return Some(Term::poison(head.span)) };
+        let name = topic.absolute();
+        let in_columns = self.schemaless() && self.trace.is_some_and(|t| !t.columns_open && t.topic(&name).is_none());
+        let whole = match in_columns {
+            true => column(name, Dim::UNKNOWN, head.span),
+            false => {
+                let opened = self.open(env, &topic, None);
+                let (root, ty, known) = (Root::Topic(opened.topic), opened.ty, opened.known);
+                let place = Place {
+                    root,
+                    path: Vec::new(),
+                    label: name,
+                    ty,
+                    known,
+                    default: None,
+                    stale: None,
+                    span: head.span,
+                };
+                Term::Place(Box::new(place))
+            }
+        };
+        Some(self.fields(env, whole, rest))
     }
 
     fn fields(&mut self, env: &Env, term: Term, rest: &[Ident]) -> Term {

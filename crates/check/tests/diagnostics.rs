@@ -117,16 +117,17 @@ fn unknown_states() {
 #[test]
 fn libraries() {
     expect![[r#"
-        there is no library `std.robot`
+        there is no library `std.robto`; did you mean `std.robot`?
           unknown library
-          this version ships no library yet
+          the libraries are `std.robot`, `std.dwyer`, `std.mission`
           a pattern of your own can stand in a file beside this one: `use "mine.rv"`
     "#]]
-    .assert_eq(&said(&alone("use std.robot\nx > 1")));
+    .assert_eq(&said(&alone("use std.robto\nx > 1")));
     expect![[r#"
         the file `mine.rv` cannot be read
-          no such file beside this one
+          no such file, or none that is a text
           the path is relative to the file that uses it
+          a library that comes with Lapwing is named without quotes: `use std.robot`
     "#]]
     .assert_eq(&said(&alone("use \"mine.rv\"\nx > 1")));
     let mine = [

@@ -27,7 +27,7 @@ recordings bring the definitions of their messages along.";
 
 const AFTER_HELP: &str = "\
 Where to begin:
-  lapwing demo                        see a violation found in a recording that comes with Lapwing
+  lapwing demo                        see violations found on the built-in robots
   lapwing new run.mcap -o robot.rv    a specification to start from, with the topics of your recording
   lapwing check robot.rv run.mcap     check it
   lapwing explain robot.rv run.mcap   what each property means, needs and costs
@@ -38,10 +38,16 @@ judged or read.";
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Checks a recording that comes with Lapwing, in a folder to play with
+    /// Runs the built-in robots, and finds what they do wrong, in a folder to play with
     Demo(Demo),
     /// Checks recordings against specifications
     Check(Check),
+    /// Runs the built-in simulator, into a file or straight into a check
+    Sim(crate::sim::Sim),
+    /// Checks the capsule of a violation again, to the same verdict
+    Replay(Replay),
+    /// Says how often each property would have fired, and which thresholds fit
+    Backtest(crate::backtest::Backtest),
     /// Says what a specification, or a diagnostic code, means
     Explain(Explain),
     /// Lays specifications out canonically, in place
@@ -53,8 +59,8 @@ pub enum Command {
 /// Arguments of `demo`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-A car in a simulator passes two stop signs; at the second one it does not stop. Specification and recording are written to DIR, so that you
-can change them. It exits with 0 although a violation is shown: showing one is what it is for.")]
+A car does not see a stop sign, and a robot gets stuck on the way into its dock: both are simulated, recorded and checked. Specifications and
+recordings are written to DIR, so that you can change them. It exits with 0 although violations are shown: showing them is what it is for.")]
 pub struct Demo {
     /// The folder to write to
     #[arg(default_value = "lapwing-demo")]
@@ -74,6 +80,7 @@ recordings, and - for NDJSON or CSV on standard input. Every specification is ch
   lapwing check robot.rv safety.rv runs/ --format junit > report.xml
   producer | lapwing check robot.rv - --format ndjson
   lapwing check robot.rv runs/ --margins    which run came closest to failing, and by how much
+  lapwing check robot.rv run.mcap --report run.html    a page with charts, for a browser
 
 Exit codes: 0 every property `satisfied` or `holds`; 1 at least one `violated` or `unmet`; 2 the command line or a specification is
 wrong; 3 none failed, but one is `inconclusive`, or a recording could not be read whole.")]
@@ -93,6 +100,17 @@ pub struct Check {
     /// true or false counts as ±∞. A property that compares metres here and radians there has no margin. It takes time and memory.
     #[arg(long)]
     pub margins: bool,
+    /// Write a page with charts of what happened, for a browser
+    ///
+    /// One HTML file with everything in it: it needs no network and no other file. It implies --margins.
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+    /// Write a folder for each violation that shows and replays it, into this one
+    ///
+    /// A capsule holds the recording from 5 s before the violation's beginning to 2 s after its failure, the specification, the verdict and an
+    /// explanation. `lapwing replay` checks it again.
+    #[arg(long, value_name = "DIR")]
+    pub capsules: Option<PathBuf>,
     /// How many recordings to check at once [default: one per core]
     #[arg(short, long, value_name = "N")]
     pub jobs: Option<std::num::NonZeroUsize>,
@@ -122,6 +140,24 @@ pub struct Reading {
     /// A folder of message definitions, for recordings that do not bring their own (repeatable)
     #[arg(long, value_name = "DIR")]
     pub msgs: Vec<PathBuf>,
+}
+
+/// Arguments of `replay`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+A capsule is a folder that `lapwing check --capsules DIR` writes for each violation: the part of the recording around it, the
+specification and the verdict. It can be sent to whoever shall look at it.
+
+  lapwing check robot.rv run.mcap --capsules capsules/
+  lapwing replay capsules/line-12-1
+
+Exit codes: 1 the same violation, with the same beginning and failure; 3 it cannot be reproduced from the capsule; 2 it is no capsule.")]
+pub struct Replay {
+    /// The folder of a capsule
+    pub capsule: PathBuf,
+    /// Whether to colour
+    #[arg(long, value_name = "WHEN", default_value = "auto")]
+    pub color: ColorChoice,
 }
 
 /// Arguments of `explain`.
@@ -205,11 +241,11 @@ impl From<Format> for lapwing_react::Format {
 pub enum Picture {
     /// For people
     Text,
-    /// State diagrams and what properties read, for Graphviz
+    /// State diagrams, and when each property puts which obligation, for Graphviz
     Dot,
     /// The same for Mermaid
     Mermaid,
-    /// Not yet there
+    /// The same to be looked at as it is
     Svg,
 }
 
@@ -263,7 +299,7 @@ impl Reading {
 }
 
 /// A duration as a specification writes it: `1s`, `250 ms`.
-fn duration(text: &str) -> Result<Duration, String> {
+pub fn duration(text: &str) -> Result<Duration, String> {
     let wrong = || format!("`{text}` is no duration: write a number and one of ns, us, ms, s, min, h, as in 250ms");
     let split = text.find(|c: char| !c.is_ascii_digit() && c != '.').ok_or_else(wrong)?;
     let (number, unit) = text.split_at(split);

@@ -1,19 +1,21 @@
 //! `lapwing check`: recordings against specifications.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::thread;
 
 use indicatif::{MultiProgress, ProgressBar};
 use lapwing::{Options, Report, Session, Spec, Watch};
 use lapwing_diag::Style;
+use lapwing_page::Entry;
 use lapwing_react::{Event, Format, Standing, Tally, end, line, render};
 
 use crate::args::Check;
 use crate::complain::{Complaint, say, styles};
 use crate::exit::Exit;
+use crate::page::Page;
 use crate::sink::{Chunk, Sink};
 use crate::words::{Words, recordings, specs};
-use crate::{interrupt, jobs, progress};
+use crate::{capsules, interrupt, jobs, progress};
 
 /// Runs the command.
 pub fn run(check: &Check) -> Result<Exit, Complaint> {
@@ -29,10 +31,12 @@ pub fn run(check: &Check) -> Result<Exit, Complaint> {
         specs: &specs,
         traces: &traces,
         options: Options {
-            recording: check.reading.options(),
+            recording: lapwing_record::Options { stopped: interrupt::is_stopped, ..check.reading.options() },
             until_first_violation: check.until_first_violation,
-            margins: check.margins,
+            margins: check.margins || check.report.is_some(),
+            history: check.report.as_ref().map(|_| lapwing_page::points(traces.len())),
         },
+        capsules: check.capsules.as_deref(),
         format: check.format.into(),
         quiet: check.quiet,
         styles: (stdout, stderr),
@@ -40,9 +44,10 @@ pub fn run(check: &Check) -> Result<Exit, Complaint> {
     if !check.quiet {
         specs.iter().for_each(|spec| say(&spec.findings().render(stderr)));
     }
+    let page = check.report.as_deref().map(Page::create).transpose()?;
     interrupt::listen();
     let cores = || thread::available_parallelism().map_or(1, |n| n.get());
-    Ok(plan.carry_out(check.jobs.map_or_else(cores, |n| n.get())))
+    Ok(plan.carry_out(check.jobs.map_or_else(cores, |n| n.get()), page))
 }
 
 /// What is to be checked, and how it is to be told.
@@ -50,6 +55,8 @@ struct Plan<'p> {
     specs: &'p [Spec],
     traces: &'p [PathBuf],
     options: Options,
+    /// Where capsules go.
+    capsules: Option<&'p Path>,
     format: Format,
     quiet: bool,
     /// Of stdout and of stderr.
@@ -57,17 +64,17 @@ struct Plan<'p> {
 }
 
 impl Plan<'_> {
-    fn carry_out(&self, threads: usize) -> Exit {
+    fn carry_out(&self, threads: usize, page: Option<Page>) -> Exit {
         let bars = progress::bars(!self.quiet);
         let sink = Sink::new(self.format.between(), bars.clone());
         sink.frame(self.format.begin());
         let results = jobs::spread(self.traces.len(), threads, |number| {
-            let tally = self.one(number, &sink, &bars);
+            let one = self.one(number, &sink, &bars);
             sink.done(number);
-            tally
+            one
         });
         let mut tally = Tally::default();
-        results.iter().for_each(|(_, one)| tally.join(one));
+        results.iter().for_each(|(_, (one, _))| tally.join(one));
         let is_silent = self.format == Format::Text && self.quiet && tally.standing() == Standing::Good;
         if !is_silent {
             sink.frame(&end(&tally, self.format, self.styles.0));
@@ -76,30 +83,45 @@ impl Plan<'_> {
         if unread > 0 {
             say(&format!("{unread} of {} recordings were not checked\n", self.traces.len()));
         }
-        Exit::of(tally.standing(), unread == 0 && !interrupt::was_heard())
+        let is_written = page.is_none_or(|page| {
+            let entries: Vec<Entry> = results.into_iter().filter_map(|(_, (_, entry))| entry).collect();
+            let (what, is_written) = page.write(&entries);
+            if !self.quiet || !is_written {
+                say(&what);
+            }
+            is_written
+        });
+        Exit::of(tally.standing(), unread == 0 && is_written && !interrupt::was_heard())
     }
 
-    /// Checks one recording, and says what is to be said of it.
-    fn one(&self, number: usize, sink: &Sink, bars: &MultiProgress) -> Tally {
+    /// Checks one recording, and says what is to be said of it. Its part of the page comes back, where there is to be one.
+    fn one(&self, number: usize, sink: &Sink, bars: &MultiProgress) -> (Tally, Option<Entry>) {
         let trace = &self.traces[number];
         let bar = progress::bar(bars, trace);
         let mut onlooker = Onlooker { trace: &trace.to_string_lossy(), number, sink, format: self.format, bar: &bar };
-        let report = match Session::open(self.specs, trace, &self.options) {
+        let (report, histories) = match Session::open(self.specs, trace, &self.options) {
             Ok(session) => {
                 if !self.quiet {
                     session.findings(self.styles.1).into_iter().for_each(|text| sink.tell(number, Chunk::Note(text)));
                 }
-                session.run(&mut onlooker)
+                session.run_noting(&mut onlooker)
             }
-            Err(why) => lapwing::unopened(self.specs, trace, &why, &mut onlooker),
+            Err(why) => (lapwing::unopened(self.specs, trace, &why, &mut onlooker), Vec::new()),
         };
         bar.finish_and_clear();
         if !self.is_left_out(&report) {
             sink.tell(number, Chunk::Part(render(&report, self.format, self.styles.0)));
         }
+        if let Some(folder) = self.capsules {
+            let of = (number, self.traces.len());
+            let told = capsules::write(folder, of, self.specs, trace, &self.options, &report);
+            if !told.notes.is_empty() && (told.has_failed || !self.quiet) {
+                sink.tell(number, Chunk::Note(told.notes));
+            }
+        }
         let mut tally = Tally::default();
         tally.add(&report);
-        tally
+        (tally, self.options.history.map(|_| lapwing_page::entry(&report, &histories)))
     }
 
     /// Whether nothing is said of a recording: all is well with it, and only what is not is wanted.

@@ -4,11 +4,11 @@ use std::fmt::Write as _;
 use std::io::{self, Write as _};
 use std::path::PathBuf;
 
-use lapwing::explain::{Explained, Explanation, dot, explain, mermaid};
+use lapwing::explain::{Explained, Explanation, Picture, draw, explain};
 use lapwing::{Options, Spec};
 use lapwing_diag::Code;
 
-use crate::args::{Explain, Picture};
+use crate::args::{self, Explain};
 use crate::complain::{Complaint, say, styles};
 use crate::exit::Exit;
 use crate::words;
@@ -44,20 +44,18 @@ fn specification(arguments: &Explain) -> Result<String, Complaint> {
     let specs = words::specs(&[PathBuf::from(&arguments.what)], style)?;
     let Some(spec) = specs.first() else { return Ok(String::new()) };
     say(&spec.findings().render(style));
-    let no_diagram = || Complaint::new(format!("{}: there is no state diagram (`machine`) in it", arguments.what));
-    match arguments.format {
-        Picture::Text => {}
-        Picture::Dot => return dot(spec).ok_or_else(no_diagram),
-        Picture::Mermaid => return mermaid(spec).ok_or_else(no_diagram),
-        Picture::Svg => {
-            return Err(Complaint::new("--format svg is not there yet").help(format!(
-                "`lapwing explain {} --format dot | dot -Tsvg` draws it with Graphviz",
-                arguments.what
-            )));
-        }
-    }
     let trace = arguments.trace.as_deref().map(words::recording).transpose()?;
     let options = Options { recording: arguments.reading.options(), ..Options::default() };
+    let picture = match arguments.format {
+        args::Picture::Text => None,
+        args::Picture::Dot => Some(Picture::Dot),
+        args::Picture::Mermaid => Some(Picture::Mermaid),
+        args::Picture::Svg => Some(Picture::Svg),
+    };
+    if let Some(picture) = picture {
+        let drawn = draw(spec, trace.as_deref(), &options, picture).map_err(|e| Complaint::new(e.to_string()))?;
+        return drawn.ok_or_else(|| Complaint::new(format!("{}: it has no property to draw", arguments.what)));
+    }
     let explanation = explain(spec, trace.as_deref(), &options, style).map_err(|e| Complaint::new(e.to_string()))?;
     explanation.findings.iter().for_each(|text| say(text));
     Ok(text(spec, &explanation))

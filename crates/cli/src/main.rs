@@ -7,15 +7,20 @@
 mod args;
 mod exit;
 
+mod backtest;
 mod check;
 mod demo;
 mod explain;
 mod fmt;
 mod new;
+mod replay;
+mod sim;
 
+mod capsules;
 mod complain;
 mod interrupt;
 mod jobs;
+mod page;
 mod progress;
 mod sink;
 mod words;
@@ -32,9 +37,12 @@ fn main() -> ExitCode {
     let exit = match arguments.command {
         Command::Demo(demo) => demo::run(&demo),
         Command::Check(check) => check::run(&check),
+        Command::Replay(replay) => replay::run(&replay),
+        Command::Backtest(backtest) => backtest::run(&backtest),
         Command::Explain(explain) => explain::run(&explain),
         Command::Fmt(fmt) => fmt::run(&fmt),
         Command::New(new) => new::run(&new),
+        Command::Sim(sim) => sim::run(&sim),
     };
     exit.unwrap_or_else(|complaint| {
         complaint.tell();

@@ -41,7 +41,7 @@ fn explain_says_what_a_property_means_and_costs() {
     folder.write("run.mcap", &stop_sign());
     let run = folder.lapwing("explain a.rv run.mcap");
     for said in [
-        "/odom nav_msgs/Odometry: twist.twist.linear.x",
+        "/odom nav_msgs/Odometry (606 messages): twist.twist.linear.x, a number",
         "at every instant with v > 1, seen from there: at some instant within 2 s v < 0.1",
         "whenever v > 1, eventually within 2 s v < 0.1",
         "v from /odom (twist.twist.linear.x): a number",
@@ -62,8 +62,95 @@ fn explain_draws_state_diagrams() {
     );
     let dot = folder.lapwing("explain a.rv --format dot").stdout;
     assert!(dot.starts_with("digraph {") && dot.contains("\"0.0\" -> \"0.1\" [label=\"x >= 1\"];"), "{dot}");
-    assert_eq!(folder.lapwing("explain plain.rv --format dot").code, 2);
-    assert!(folder.lapwing("explain a.rv --format svg").stderr.contains("dot -Tsvg"));
+}
+
+/// A specification with everything that a picture may show, and texts that mean something to every format.
+const DRAWN: &str = r#"
+machine gate {
+    initial shut
+    state shut when x < 1 and name != "a<b>&\"c\""
+    state open when x >= 1
+    shut -> open
+    open -> shut
+    open -> open
+}
+event kick
+answer: whenever kick, eventually within 2 s (x > 1 and always for 1 s y > 0)
+after_until x > 3, x < 1, (never y > 2) and eventually y == 0
+until x > 5, x < 6
+next x > 0 implies (x > 1) until (y > 1)
+"#;
+
+#[test]
+fn explain_draws_what_every_property_asks_and_when() {
+    let folder = Folder::new(&[("a.rv", DRAWN), ("none.rv", "limit = 2\n")]);
+    let dot = folder.lapwing("explain a.rv --format dot").stdout;
+    let mut clusters = 0;
+    let (mut nodes, mut arrows) = (Vec::new(), Vec::new());
+    for line in dot.lines().map(str::trim) {
+        clusters += usize::from(line.starts_with("subgraph \"cluster_"));
+        if !line.starts_with('"') {
+            continue;
+        }
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words[1] {
+            "->" => arrows.push((words[0], words[2].trim_end_matches(';'))),
+            _ => nodes.push(words[0]),
+        }
+        let quotes = line.replace("\\\\", "").replace("\\\"", "").matches('"').count();
+        assert!(quotes.is_multiple_of(2) && line.ends_with(';'), "{line}");
+    }
+    assert_eq!(clusters, 5, "{dot}");
+    assert!(arrows.iter().all(|(a, b)| nodes.contains(a) && nodes.contains(b)), "{dot}");
+    assert_eq!(dot.matches('{').count(), dot.matches('}').count());
+    for said in
+        ["at every instant of the recording\\nwith kick", "eventually within 2 s", "eventually x > 5", "all the while"]
+    {
+        assert!(dot.contains(said), "{said}\n{dot}");
+    }
+    let mermaid = folder.lapwing("explain a.rv --format mermaid").stdout;
+    assert!(mermaid.starts_with("flowchart TD\n"), "{mermaid}");
+    assert_eq!(mermaid.matches("  subgraph ").count(), mermaid.matches("  end\n").count());
+    let none = folder.lapwing("explain none.rv --format svg");
+    assert!(none.code == 2 && none.stderr.contains("no property to draw"), "{}", none.stderr);
+}
+
+#[test]
+fn explain_draws_svg_that_is_well_formed_and_in_which_no_boxes_overlap() {
+    use quick_xml::events::Event;
+
+    let folder = Folder::new(&[("a.rv", DRAWN)]);
+    let svg = folder.lapwing("explain a.rv --format svg").stdout;
+    let mut reader = quick_xml::Reader::from_str(&svg);
+    let mut boxes: Vec<Vec<[f64; 4]>> = Vec::new();
+    let mut texts = String::new();
+    loop {
+        match reader.read_event().unwrap() {
+            Event::Eof => break,
+            // A title begins a picture.
+            Event::Start(tag) if tag.name().as_ref() == "text" && tag.try_get_attribute("class").unwrap().is_some() => {
+                boxes.push(Vec::new());
+            }
+            Event::Empty(tag) if tag.name().as_ref() == "rect" => {
+                let number =
+                    |name: &str| -> f64 { tag.try_get_attribute(name).unwrap().unwrap().value.parse().unwrap() };
+                boxes.last_mut().unwrap().push(["x", "y", "width", "height"].map(number));
+            }
+            Event::Text(text) => texts += &text,
+            Event::GeneralRef(_) => texts.push('&'),
+            _ => {}
+        }
+    }
+    assert_eq!(boxes.len(), 5);
+    for picture in &boxes {
+        for (k, a) in picture.iter().enumerate() {
+            let apart = |b: &[f64; 4], side: usize| {
+                a[side] + a[side + 2] <= b[side] + 0.2 || b[side] + b[side + 2] <= a[side] + 0.2
+            };
+            assert!(picture[..k].iter().all(|b| apart(b, 0) || apart(b, 1)), "{picture:?}\n{svg}");
+        }
+    }
+    assert!(texts.contains("turn") || texts.contains("shut"), "{texts}");
 }
 
 #[test]
@@ -93,10 +180,15 @@ fn demo_shows_a_violation_and_succeeds() {
     let folder = Folder::new(&[]);
     let run = folder.lapwing("demo playground");
     assert_eq!((run.code, run.stderr.as_str()), (0, ""));
-    assert!(run.stdout.contains("Error at line 16:\n  second_stop: after_until"), "{}", run.stdout);
-    assert!(run.stdout.contains("1 violated, 5 holds, 1 vacuous"), "{}", run.stdout);
-    assert_eq!(folder.lapwing("check playground/stop_sign.rv playground/run.mcap").code, 1);
-    assert_eq!(folder.lapwing("fmt --check playground/stop_sign.rv").code, 0);
+    assert!(run.stdout.contains("Error at line 6:\n  stops: after_until"), "{}", run.stdout);
+    assert!(run.stdout.contains("Error at line 8:\n  moves: whenever"), "{}", run.stdout);
+    for name in ["stop_sign", "docking"] {
+        assert_eq!(folder.lapwing(&format!("check playground/{name}.rv playground/{name}.mcap")).code, 1);
+        assert_eq!(folder.lapwing(&format!("fmt --check playground/{name}.rv")).code, 0);
+    }
+    // What the closing lines propose works, and a healthy car stops.
+    let healthy = folder.lapwing("sim stop-sign --check playground/stop_sign.rv");
+    assert_eq!(healthy.code, 0, "{}", healthy.stdout);
 }
 
 #[test]

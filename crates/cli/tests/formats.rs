@@ -23,9 +23,10 @@ fn text() {
         Failing state:
           robot.velocity: 2.25
         Failed at 0.5 s.
-        Before it failed:
-          time  robot.velocity
-           0 s             1.5
+        What led to it:
+           time  robot.velocity
+            0 s             1.5
+          0.5 s            2.25  failed
         3 failures in 2 episodes; 2 met.
           again at 2 s (1 failure)
         Where: spec.rv:1:1 (line 1), run.csv
@@ -35,11 +36,11 @@ fn text() {
         Failing state:
           robot.velocity: 2.5
         Failed at 1 s; what failed began at 0 s, 1 s earlier.
-        Before it failed:
+        What led to it:
            time  robot.velocity
-            0 s             1.5
+            0 s             1.5  began
           0.5 s            2.25
-            1 s             2.5
+            1 s             2.5  failed
         1 failure; 0 met.
         Where: spec.rv:2:1 (slow), run.csv
 
@@ -57,12 +58,16 @@ fn text() {
 fn json() {
     let run = folder().lapwing("check spec.rv run.csv --format json");
     let reports: Value = serde_json::from_str(&run.stdout).unwrap();
-    let episode = |began: i64, failed: i64, until: i64, count: u64, v: f64, at_beginning: f64| {
+    let row = |(time, v): &(i64, f64)| json!({"time_ns": time, "values": {"robot.velocity": v}});
+    let episode = |began: i64, failed: i64, until: i64, count: u64, v: f64, before: &[(i64, f64)]| {
+        let at_beginning = before.iter().find(|(time, _)| *time == began).map_or(v, |(_, v)| *v);
         json!({
             "began_ns": began, "failed_ns": failed, "until_ns": until, "count": count,
-            "values": {"robot.velocity": v}, "began_values": {"robot.velocity": at_beginning}
+            "values": {"robot.velocity": v}, "began_values": {"robot.velocity": at_beginning},
+            "history": before.iter().map(row).collect::<Vec<_>>()
         })
     };
+    let rows = [(0, 1.5), (500_000_000, 2.25), (1_000_000_000, 2.5), (1_500_000_000, 1.0)];
     let expected = json!([{
         "lapwing": 1, "spec": ["spec.rv"], "trace": "run.csv",
         "start_ns": 0, "end_ns": 2_000_000_000_i64, "instants": 5, "topics": [],
@@ -72,8 +77,8 @@ fn json() {
                 "verdict": "violated", "cause": null, "vacuous": false,
                 "obligations": {"met": 2, "failed": 3, "open": 0}, "margin": null,
                 "violations": [
-                    episode(500_000_000, 500_000_000, 1_000_000_000, 2, 2.25, 2.25),
-                    episode(2_000_000_000, 2_000_000_000, 2_000_000_000, 1, 3.0, 3.0),
+                    episode(500_000_000, 500_000_000, 1_000_000_000, 2, 2.25, &rows[..1]),
+                    episode(2_000_000_000, 2_000_000_000, 2_000_000_000, 1, 3.0, &rows[2..]),
                 ],
                 "nans": 0
             },
@@ -81,7 +86,7 @@ fn json() {
                 "name": "slow", "file": "spec.rv", "line": 2, "text": "slow: eventually within 1 s robot.velocity < 1",
                 "verdict": "violated", "cause": null, "vacuous": false,
                 "obligations": {"met": 0, "failed": 1, "open": 0}, "margin": null,
-                "violations": [episode(0, 1_000_000_000, 1_000_000_000, 1, 2.5, 1.5)],
+                "violations": [episode(0, 1_000_000_000, 1_000_000_000, 1, 2.5, &rows[..3])],
                 "nans": 0
             }
         ],

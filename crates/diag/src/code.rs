@@ -77,6 +77,7 @@ codes! {
     MissingColumn Warning "missing-column",
     MissingEvent Warning "missing-event",
     TopicType Warning "topic-type",
+    UnknownType Warning "unknown-type",
     FloatEquality Warning "float-equality",
     MixedAndOr Warning "mixed-and-or",
     UnusedName Warning "unused-name",

@@ -4,6 +4,7 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
 use lapwing_stream::{Sample, Time};
+use serde::{Deserialize, Serialize};
 
 use crate::inputs::Inputs;
 use crate::outcome::{Observer, Outcome, Output, join};
@@ -11,7 +12,7 @@ use crate::piece::Piece;
 use crate::program::Program;
 
 /// Everything that a run of a [`Program`] knows. A clone is a snapshot: it goes on as the original would have.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct State {
     piece: Piece,
     /// What the pieces before the latest jump came to.

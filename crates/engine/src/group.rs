@@ -5,6 +5,7 @@ use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
 use lapwing_stream::{Time, Value};
+use serde::{Deserialize, Serialize};
 
 use crate::future::{Decided, Graph, Moment, Segment, step_segments};
 use crate::inputs::Inputs;
@@ -19,7 +20,7 @@ use crate::tracker::{TrackerState, is_obliged};
 use crate::walk::Walk;
 
 /// One instance of a group.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Core {
     /// The values of the slices; `None` stands for every value not seen so far.
     pub key: Vec<Option<Value>>,
@@ -316,7 +317,7 @@ fn alarm(inputs: &Inputs, property: usize, key: &[Option<Value>], began: i64, fa
 }
 
 /// Whether a scope is looked at, and how often it was entered.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct LookState {
     /// Whether the latest position is looked at.
     now: bool,

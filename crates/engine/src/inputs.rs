@@ -4,11 +4,12 @@ use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
 use lapwing_stream::{Time, Value};
+use serde::{Deserialize, Serialize};
 
 use crate::program::{Column, Program, Read, Wake};
 
 /// The latest of everything.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Inputs {
     /// The signals' values; [`Value::Missing`] is undefined.
     pub(crate) slots: Vec<Value>,
@@ -24,10 +25,12 @@ pub struct Inputs {
     pub(crate) events: Vec<EventState>,
     /// The state of each machine, `None` where it is undefined.
     pub(crate) machines: Vec<Option<usize>>,
+    /// Whether a machine met a value of another kind than it needs, so that nobody knows where it stands.
+    pub(crate) lost: Vec<bool>,
 }
 
 /// What is known of a topic.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct TopicState {
     /// The stamp of its last message.
     pub last: Option<i64>,
@@ -38,7 +41,7 @@ pub(crate) struct TopicState {
 }
 
 /// The occurrences of an event at this instant; under a rate, since the instant before.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct EventState {
     /// The fields of each occurrence; the first `count` are valid, the rest are buffers for later.
     pub occurrences: Vec<Vec<Value>>,
@@ -84,6 +87,7 @@ impl Inputs {
             topics: alloc::vec![TopicState::default(); program.topics.len()],
             events: alloc::vec![EventState::default(); program.events.len()],
             machines: program.machines.iter().map(|m| Some(m.initial)).collect(),
+            lost: alloc::vec![false; program.machines.len()],
         }
     }
 

@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 
 use lapwing_stream::Value;
+use serde::{Deserialize, Serialize};
 
 use crate::group::Core;
 use crate::inputs::Inputs;
@@ -12,7 +13,7 @@ use crate::program::{Group, Positions};
 pub(crate) const INSTANCES: usize = 65_536;
 
 /// The instances of a group: one, or with slices one per value seen, beside the template of those to come.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Instances {
     pub(crate) cores: Vec<Core>,
     /// Those that count as instances, in the order in which their values were seen.

@@ -13,6 +13,8 @@
 //!    future operators ([`future`]), whose decisions end obligations ([`tracker`]).
 //! 4. Where it is asked for, margins are computed beside ([`mod@margin`]).
 //!
+//! A state can be written as bytes and read back ([`saved`]).
+//!
 //! There is no I/O here, no clock, no thread, no randomness and no iteration in hash order: time comes with the sample, and
 //! [`State::next_deadline`] tells a live caller when to wake up. After warm-up a step does not allocate.
 
@@ -38,6 +40,7 @@ pub mod outcome;
 mod past;
 mod piece;
 mod runs;
+pub mod saved;
 mod times;
 mod tracker;
 mod walk;
@@ -47,3 +50,4 @@ pub use feed::{Ending, State};
 pub use functions::{compare, numeric};
 pub use outcome::{Episode, Observer, Outcome, Output};
 pub use program::Program;
+pub use saved::NotResumed;

@@ -5,6 +5,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use lapwing_stream::Time;
+use serde::{Deserialize, Serialize};
 
 use crate::inputs::Inputs;
 use crate::node::View;
@@ -14,7 +15,7 @@ use crate::program::{Edge, Machine, MachineState};
 use crate::walk::Walk;
 
 /// Where a machine stands. Its current state is in [`Inputs::machines`], for all to read.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct MachineMemory {
     pub walk: Walk,
     /// How often each slot had a value at the last sample.
@@ -46,7 +47,11 @@ impl MachineMemory {
     pub fn step(&mut self, plan: &Machine, number: usize, inputs: &mut Inputs, now: i64, tell: &mut impl Observer) {
         let was_started = self.walk.started;
         let here = Here { at: &plan.at, inputs, now, params: &[], seen: &self.seen };
-        if !self.walk.enter(here, u64::MAX) {
+        let is_position = self.walk.enter(here, u64::MAX);
+        if !self.walk.faults.is_empty() {
+            return get_lost(plan, number, inputs);
+        }
+        if !is_position {
             return;
         }
         self.positions += 1;
@@ -126,7 +131,7 @@ impl MachineMemory {
 
     /// The time at which it has been in its state for too long.
     pub fn deadline(&self, plan: &Machine, number: usize, inputs: &Inputs) -> Option<i64> {
-        if !self.walk.started || self.overstayed {
+        if !self.walk.started || self.overstayed || !self.walk.faults.is_empty() {
             return None;
         }
         let state = plan.states.get(inputs.machines[number]?)?;
@@ -140,6 +145,15 @@ impl MachineMemory {
             let name = inputs.machines[number].and_then(|s| plan.states.get(s)).map_or("", |s| &*s.name);
             self.fail(plan, self.since, at, format!("still in {name}"), inputs, tell);
         }
+    }
+}
+
+/// From here on nobody knows where a machine stands, nor whether it moves.
+fn get_lost(plan: &Machine, number: usize, inputs: &mut Inputs) {
+    inputs.lost[number] = true;
+    let events = plan.states.iter().flat_map(|state| [state.entered, state.left]).flatten();
+    for event in events {
+        inputs.events[event].is_unclear = true;
     }
 }
 

@@ -4,6 +4,7 @@ use core::cell::Cell;
 
 use alloc::vec::Vec;
 use lapwing_stream::{Duration, Value};
+use serde::{Deserialize, Serialize};
 
 use crate::functions::{compare, greatest, least, numeric};
 use crate::inputs::Inputs;
@@ -26,7 +27,7 @@ pub(crate) struct View<'a> {
 }
 
 /// What evaluation remarks on the way.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Notes {
     /// How often a comparison met a NaN, by counter.
     pub nans: Vec<Cell<u64>>,
@@ -150,6 +151,7 @@ impl<'a> View<'a> {
                 compare(*op, a, b, m) && (!(a.is_nan() | b.is_nan()) || (self.is_there(*left) && self.is_there(*right)))
             }
             Node::Event(e) => self.occurs(*e).is_some(),
+            Node::InState { machine, .. } if self.inputs.lost.get(*machine) == Some(&true) => self.fault(false),
             Node::InState { machine, state } => self.inputs.machines.get(*machine) == Some(state),
             Node::Fresh(t) => self.inputs.topics.get(*t).is_some_and(|t| t.fresh),
             Node::Updated(slots) => slots.iter().any(|&s| self.inputs.versions.get(s) > self.seen.get(s)),

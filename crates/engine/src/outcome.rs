@@ -4,11 +4,12 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use lapwing_stream::{Time, Value, Verdict};
+use serde::{Deserialize, Serialize};
 
 use crate::inputs::Inputs;
 
 /// Failed obligations of one segment and one conjunct at consecutive positions.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize, Deserialize)]
 pub struct Episode {
     /// When the first of them to fail failed.
     pub failed: Time,
@@ -72,7 +73,7 @@ impl<F: FnMut(&Inputs, Output<'_>)> Observer for F {
 }
 
 /// What is said of a property, or of one instance of it, at the end.
-#[derive(Clone, PartialEq, Debug)]
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Outcome {
     /// The number of the property.
     pub property: usize,

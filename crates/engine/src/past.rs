@@ -5,13 +5,14 @@ use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
 use lapwing_stream::Value;
+use serde::{Deserialize, Serialize};
 
 use crate::inputs::Inputs;
 use crate::node::{Notes, View};
 use crate::program::{Bit, Bound, NodeId, Op, Positions, Window};
 
 /// The memory of one operator.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) enum Memory {
     None,
     /// The latest values, a ring: `at` is the oldest.
@@ -72,7 +73,7 @@ impl Memory {
 }
 
 /// The registers that the code fills: of each operator a truth value, sixty-four a word, or another value.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Registers {
     pub bits: Vec<u64>,
     pub values: Vec<Value>,

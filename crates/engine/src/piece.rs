@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 
 use lapwing_stream::{Sample, Time, What};
+use serde::{Deserialize, Serialize};
 
 use crate::feed::Ending;
 use crate::inputs::Inputs;
@@ -17,7 +18,7 @@ use crate::world::ObjectMemory;
 const TICKS: i128 = 10_000_000;
 
 /// A stretch of trace in which time never goes back.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Piece {
     pub(crate) inputs: Inputs,
     pub(crate) machines: Vec<MachineMemory>,

@@ -2,10 +2,12 @@
 
 use alloc::collections::VecDeque;
 
+use serde::{Deserialize, Serialize};
+
 use crate::times::Pos;
 
 /// A set of positions, as runs `(first, last)` in increasing order with gaps between them.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Runs {
     runs: VecDeque<(Pos, Pos)>,
 }

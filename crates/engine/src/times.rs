@@ -2,6 +2,8 @@
 
 use alloc::collections::VecDeque;
 
+use serde::{Deserialize, Serialize};
+
 /// A position of a property: 0, 1, 2, …
 pub(crate) type Pos = u64;
 
@@ -9,7 +11,7 @@ pub(crate) type Pos = u64;
 const KEPT: usize = 1 << 22;
 
 /// The stamps of the positions from the oldest that something still asks for to the newest.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Times {
     first: Pos,
     stamps: VecDeque<i64>,

@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 
 use lapwing_stream::Time;
+use serde::{Deserialize, Serialize};
 
 use crate::future::{Decided, Segment};
 use crate::node::View;
@@ -12,7 +13,7 @@ use crate::runs::Runs;
 use crate::times::{Pos, Times};
 
 /// The obligations of one conjunct.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct TrackerState {
     pub open: Runs,
     pub met: u64,
@@ -30,7 +31,7 @@ pub(crate) struct TrackerState {
 }
 
 /// An episode in the making.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Live {
     from: Pos,
     to: Pos,

@@ -5,13 +5,15 @@
 
 use alloc::vec::Vec;
 
+use serde::{Deserialize, Serialize};
+
 use crate::inputs::Inputs;
 use crate::node::{Notes, View};
 use crate::past::{self, Here, Memory, NOW, Registers, Scene};
 use crate::program::{Positions, Wiring};
 
 /// Where a machine or a group stands in its positions.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Walk {
     /// Whether position 0 has come.
     pub started: bool,

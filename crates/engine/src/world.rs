@@ -4,6 +4,7 @@ use alloc::collections::BTreeMap;
 use alloc::string::{String, ToString};
 
 use lapwing_stream::Value;
+use serde::{Deserialize, Serialize};
 
 use crate::functions::{norm, product, rotate, rotate_back};
 use crate::inputs::Inputs;
@@ -16,7 +17,7 @@ const DEEPEST: usize = 1000;
 const MOST_FRAMES: usize = 10_000;
 
 /// What is remembered of an object.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct ObjectMemory {
     /// The pose before, and its stamp.
     before: Option<(i64, Pose)>,
@@ -25,7 +26,7 @@ pub(crate) struct ObjectMemory {
 }
 
 /// A position and an orientation (x, y, z, w).
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Pose {
     position: [f64; 3],
     turn: [f64; 4],

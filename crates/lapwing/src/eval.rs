@@ -1,57 +1,61 @@
-//! The value of an expression without memory, from the values of the signals at one moment: what a report shows.
+//! The value of an expression at one moment, for a report.
 //!
-//! It repeats nothing of the engine's but the combination of what the engine computes: functions and comparisons are its own.
+//! It repeats nothing of the engine's but the combination of what the engine computes: functions and comparisons are its own. What
+//! an operator over the past is worth is computed from the instants that are kept ([`memory`]): nothing is computed for it while all is well.
+
+mod memory;
 
 use lapwing_check::checked::{Arith, Compare, Connective, Expr, Func, Kind};
 use lapwing_check::compile;
 use lapwing_engine::{compare, numeric, program};
 use lapwing_stream::Value;
 
-/// The values of signals at one moment, by number.
-pub(crate) trait Moment {
-    /// The value of a signal, [`Value::Missing`] where it has none.
-    fn value(&self, input: usize) -> &Value;
-}
+pub(crate) use crate::moment::Moment;
 
-/// Whether [`eval`] can say what an expression is worth.
-pub(crate) fn is_plain(e: &Expr) -> bool {
-    let own = match &e.kind {
-        Kind::Num(_) | Kind::Bool(_) | Kind::Str(_) | Kind::Input(_) => true,
-        Kind::Field(..) | Kind::Index(..) | Kind::Truth(_) | Kind::Neg(_) | Kind::Not(_) => true,
-        Kind::Arith(..) | Kind::Compare { .. } | Kind::Connective(..) => true,
-        Kind::Call(func, _) => {
-            engine_func(*func).is_some() || matches!(func, Func::Len | Func::MinOf | Func::MaxOf | Func::IsNan)
-        }
-        _ => false,
-    };
-    own && e.children().into_iter().all(is_plain)
-}
-
-/// The value of an expression; `None` where a signal in it has none, or where it is not plain.
+/// The value of an expression; `None` where it has none or where it is not known.
 pub(crate) fn eval(e: &Expr, at: &dyn Moment) -> Option<Value> {
-    match &e.kind {
-        Kind::Num(x) => Some(Value::Num(*x)),
-        Kind::Bool(b) => Some(Value::Bool(*b)),
-        Kind::Str(s) => Some(Value::Str(s.clone())),
-        Kind::Input(i) => Some(at.value(*i)).filter(|v| **v != Value::Missing).cloned(),
-        Kind::Field(of, name) => eval(of, at)?.field(name).cloned(),
-        Kind::Index(of, index) => element(eval(of, at)?, *index),
-        Kind::Truth(of) => truth(&eval(of, at)?).map(Value::Bool),
-        Kind::Neg(of) => number(of, at).map(|x| Value::Num(-x)),
-        Kind::Not(of) => condition(of, at).map(|b| Value::Bool(!b)),
-        Kind::Arith(op, l, r) => Some(Value::Num(arith(*op, number(l, at)?, number(r, at)?))),
-        Kind::Compare { op, margin, left, right } => {
-            comparison(*op, margin.as_deref(), left, right, at).map(Value::Bool)
-        }
-        Kind::Connective(op, l, r) => connective(*op, condition(l, at), condition(r, at)).map(Value::Bool),
-        Kind::Call(func, args) => call(*func, args, at),
-        _ => None,
-    }
+    value(e, at, &[])
 }
 
 /// The truth of a condition.
 pub(crate) fn condition(e: &Expr, at: &dyn Moment) -> Option<bool> {
     truth(&eval(e, at)?)
+}
+
+/// `vars` are the values of the variables of enclosing quantifiers, the innermost last.
+fn value(e: &Expr, at: &dyn Moment, vars: &[Value]) -> Option<Value> {
+    let num = |e: &Expr| number(e, at, vars);
+    let cond = |e: &Expr| truth(&value(e, at, vars)?);
+    match &e.kind {
+        Kind::Num(x) => Some(Value::Num(*x)),
+        Kind::Bool(b) => Some(Value::Bool(*b)),
+        Kind::Str(s) => Some(Value::Str(s.clone())),
+        Kind::Input(i) => Some(at.value(*i)).filter(|v| **v != Value::Missing).cloned(),
+        Kind::Event(event) => Some(Value::Bool(at.event(*event).is_some())),
+        Kind::EventField { event, field } => at.event(*event)?.get(*field).cloned(),
+        Kind::InState { machine, state } => Some(Value::Bool(at.state(*machine) == *state)),
+        Kind::Param(number) => at.param(*number).cloned(),
+        Kind::Var(level) => vars.iter().rev().nth(*level).cloned(),
+        Kind::Field(of, name) => value(of, at, vars)?.field(name).cloned(),
+        Kind::Index(of, index) => element(value(of, at, vars)?, *index),
+        Kind::Truth(of) => cond(of).map(Value::Bool),
+        Kind::Neg(of) => num(of).map(|x| Value::Num(-x)),
+        Kind::Not(of) => cond(of).map(|b| Value::Bool(!b)),
+        Kind::Arith(op, l, r) => Some(Value::Num(arith(*op, num(l)?, num(r)?))),
+        Kind::Compare { op, margin, left, right } => {
+            comparison(*op, margin.as_deref(), left, right, at, vars).map(Value::Bool)
+        }
+        Kind::Connective(op, l, r) => connective(*op, cond(l), cond(r)).map(Value::Bool),
+        Kind::Call(func, args) => call(*func, args, at, vars),
+        Kind::Quantified { all, array, body } => quantified(*all, array, body, at, vars).map(Value::Bool),
+        Kind::Age(topic) => Some(Value::Num(at.point()?.time.since(at.last(*topic)?).seconds())),
+        Kind::Fresh(topic) => Some(Value::Bool(at.is_fresh(*topic))),
+        Kind::Frequency(topic, window) => {
+            let messages = at.messages_after(*topic, at.point()?.time - *window)?;
+            Some(Value::Num(messages as f64 / window.seconds()))
+        }
+        _ => memory::value(e, &at.point()?, vars),
+    }
 }
 
 fn truth(value: &Value) -> Option<bool> {
@@ -62,8 +66,8 @@ fn truth(value: &Value) -> Option<bool> {
     }
 }
 
-fn number(e: &Expr, at: &dyn Moment) -> Option<f64> {
-    match eval(e, at)? {
+fn number(e: &Expr, at: &dyn Moment, vars: &[Value]) -> Option<f64> {
+    match value(e, at, vars)? {
         Value::Num(x) => Some(x),
         _ => None,
     }
@@ -98,9 +102,20 @@ fn connective(op: Connective, l: Option<bool>, r: Option<bool>) -> Option<bool> 
     }
 }
 
-fn comparison(op: Compare, margin: Option<&Expr>, left: &Expr, right: &Expr, at: &dyn Moment) -> Option<bool> {
-    let margin = margin.map_or(Some(0.0), |m| number(m, at))?;
-    match (eval(left, at)?, eval(right, at)?) {
+/// A comparison; with a field of an event that does not occur every one is false.
+fn comparison(
+    op: Compare,
+    margin: Option<&Expr>,
+    left: &Expr,
+    right: &Expr,
+    at: &dyn Moment,
+    vars: &[Value],
+) -> Option<bool> {
+    if [left, right].into_iter().any(|e| waits_for_event(e, at)) {
+        return Some(false);
+    }
+    let margin = margin.map_or(Some(0.0), |m| number(m, at, vars))?;
+    match (value(left, at, vars)?, value(right, at, vars)?) {
         (Value::Num(a), Value::Num(b)) => Some(compare(compile::compare(op), a, b, margin)),
         (a, b) => match op {
             Compare::Eq => Some(a == b),
@@ -110,18 +125,60 @@ fn comparison(op: Compare, margin: Option<&Expr>, left: &Expr, right: &Expr, at:
     }
 }
 
-fn call(func: Func, args: &[Expr], at: &dyn Moment) -> Option<Value> {
+/// Whether an expression reads a field of an event that does not occur.
+fn waits_for_event(e: &Expr, at: &dyn Moment) -> bool {
+    match &e.kind {
+        Kind::EventField { event, .. } => at.event(*event).is_none(),
+        Kind::Neg(_) | Kind::Field(..) | Kind::Index(..) | Kind::Arith(..) | Kind::Call(..) => {
+            e.children().into_iter().any(|c| waits_for_event(c, at))
+        }
+        _ => false,
+    }
+}
+
+fn quantified(all: bool, array: &Expr, body: &Expr, at: &dyn Moment, vars: &[Value]) -> Option<bool> {
+    let elements = match value(array, at, vars)? {
+        Value::Nums(xs) => xs.into_iter().filter(|x| !x.is_nan()).map(Value::Num).collect(),
+        Value::List(xs) => xs,
+        _ => return None,
+    };
+    let mut scope = vars.to_vec();
+    for element in elements {
+        scope.push(element);
+        let holds = truth(&value(body, at, &scope)?)?;
+        scope.pop();
+        if holds != all {
+            return Some(!all);
+        }
+    }
+    Some(all)
+}
+
+fn call(func: Func, args: &[Expr], at: &dyn Moment, vars: &[Value]) -> Option<Value> {
     if let Some(func) = engine_func(func) {
-        let args = args.iter().map(|a| number(a, at)).collect::<Option<Vec<_>>>()?;
+        let args = args.iter().map(|a| number(a, at, vars)).collect::<Option<Vec<_>>>()?;
         return Some(Value::Num(numeric(func, &args)));
     }
-    match (func, eval(args.first()?, at)?) {
+    let mut values = args.iter().map(|a| value(a, at, vars));
+    match (func, values.next()??) {
         (Func::IsNan, Value::Num(x)) => Some(Value::Bool(x.is_nan())),
         (Func::Len, Value::Nums(xs)) => Some(Value::Num(xs.len() as f64)),
         (Func::Len, Value::List(xs)) => Some(Value::Num(xs.len() as f64)),
         (Func::Len, Value::Str(s)) => Some(Value::Num(s.chars().count() as f64)),
         (Func::MinOf, Value::Nums(xs)) => Some(Value::Num(numeric(program::Func::Min, &xs))),
         (Func::MaxOf, Value::Nums(xs)) => Some(Value::Num(numeric(program::Func::Max, &xs))),
+        (Func::StartsWith | Func::EndsWith | Func::Contains, Value::Str(text)) => match values.next()?? {
+            Value::Str(part) => Some(Value::Bool(match func {
+                Func::StartsWith => text.starts_with(&part),
+                Func::EndsWith => text.ends_with(&part),
+                _ => text.contains(&part),
+            })),
+            _ => None,
+        },
+        (Func::Lookup, Value::List(names)) => {
+            let (list, name) = (values.next()??, values.next()??);
+            element(list, names.iter().position(|n| *n == name)?)
+        }
         _ => None,
     }
 }
@@ -143,52 +200,4 @@ fn engine_func(func: Func) -> Option<program::Func> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use lapwing_check::checked::Body;
-
-    struct Values(Vec<Value>);
-
-    impl Moment for Values {
-        fn value(&self, input: usize) -> &Value {
-            self.0.get(input).unwrap_or(&Value::Missing)
-        }
-    }
-
-    /// A condition over the columns `a` and `b`, which it names in this order.
-    fn condition_of(text: &str) -> Expr {
-        let spec = crate::Spec::parse("t.rv", &format!("never {text}\n"), &|_| None).unwrap();
-        let columns = vec!["a".to_owned(), "b".to_owned()];
-        let shape = lapwing_check::TraceShape { columns, schemaless: true, ..Default::default() };
-        let Body::Formula(formula) = spec.against(&shape).spec.properties.remove(0).body else {
-            panic!("{text} is no formula")
-        };
-        let Kind::Always(_, not) = formula.kind else { panic!("{text} is not judged always") };
-        let Kind::Not(condition) = not.kind else { panic!("{text} is not negated") };
-        *condition
-    }
-
-    #[test]
-    fn conditions_are_true_false_or_unknown() {
-        let at = Values(vec![Value::Num(3.0), Value::Num(-4.0)]);
-        for text in [
-            "a > 2 and b < 0",
-            "norm(a, b) == 5",
-            "a - abs(b) =={0.1} -1",
-            "a < 0 implies b > 0",
-            "not (a < b) iff a > b",
-        ] {
-            assert_eq!(condition(&condition_of(text), &at), Some(true), "{text}");
-        }
-        let unknown = Values(vec![Value::Num(3.0)]);
-        assert_eq!(condition(&condition_of("a > 2 or a > b"), &unknown), Some(true));
-        assert_eq!(condition(&condition_of("a > 2 and (a + 0 > 0 implies a > 0)"), &unknown), Some(true));
-    }
-
-    #[test]
-    fn what_has_a_memory_is_not_plain() {
-        assert!(is_plain(&condition_of("max(a, b) > 2")));
-        assert!(!is_plain(&condition_of("delta(a) > b")));
-        assert!(!is_plain(&condition_of("previously a > b")));
-    }
-}
+mod tests;

@@ -4,20 +4,33 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use lapwing_check::checked::{self, EventSource, Step};
-use lapwing_record::{Item, Part, Path, Wanted};
+use lapwing_record::{Cells, Item, Part, Path, Wanted};
 use lapwing_stream::{Name, Sample, Value, What};
 
-/// What all specifications of a session want of the recording. Each one's fields of a topic lie side by side, so that they can be
-/// handed on as they are.
+/// What all specifications of a session want of the recording. Each one's fields of a topic lie side by side, and so do its columns, so
+/// that they can be handed on as they are.
 #[derive(Debug, Default)]
 pub(crate) struct Wants {
     list: Vec<Wanted>,
+    signals: Vec<Name>,
 }
 
 impl Wants {
     /// What the recording is to be asked for.
     pub fn list(&self) -> &[Wanted] {
         &self.list
+    }
+
+    /// The columns of rows that it is to be asked for.
+    pub fn signals(&self) -> &[Name] {
+        &self.signals
+    }
+
+    /// Adds columns. Gives where they are.
+    fn add_columns(&mut self, columns: &[String]) -> Range<usize> {
+        let start = self.signals.len();
+        self.signals.extend(columns.iter().map(|column| Name::from(column.as_str())));
+        start..self.signals.len()
     }
 
     /// Adds fields of a topic. Gives the number of the topic here, and where its fields are.
@@ -45,11 +58,10 @@ fn path(path: &checked::Path) -> Path {
 pub(crate) struct Intake {
     /// For each wanted topic of the session: its number here, and where its fields are.
     topics: Vec<Option<(usize, Range<usize>)>>,
-    columns: Vec<String>,
-    /// Where each column was found last.
-    places: Vec<usize>,
+    /// Where its columns are among those of the session.
+    columns: Range<usize>,
     events: BTreeMap<String, Fields>,
-    /// The values of the current row or event.
+    /// The values of the current event.
     values: Vec<Value>,
 }
 
@@ -61,7 +73,7 @@ struct Fields {
 }
 
 impl Intake {
-    /// What `spec` reads; its topics are added to `wants`.
+    /// What `spec` reads; its topics and columns are added to `wants`.
     pub fn new(spec: &checked::Spec, wants: &mut Wants) -> Intake {
         let mut topics = Vec::new();
         for (number, topic) in spec.topics.iter().enumerate() {
@@ -76,20 +88,16 @@ impl Intake {
             let paths = e.fields.iter().map(|f| f.path.clone()).collect();
             (e.name.clone(), Fields { event, paths })
         });
-        Intake {
-            topics,
-            columns: spec.columns.clone(),
-            places: vec![0; spec.columns.len()],
-            events: events.collect(),
-            values: Vec::new(),
-        }
+        Intake { topics, columns: wants.add_columns(&spec.columns), events: events.collect(), values: Vec::new() }
     }
 
     /// An item as a sample.
     pub fn sample<'a>(&'a mut self, item: &Item<'a>) -> Sample<'a> {
         let what = match *item {
             Item::Message { wanted, values, .. } => self.message(wanted, values),
-            Item::Row { cells, .. } => self.row(cells),
+            Item::Row { cells, .. } => {
+                What::Row { cells: cells.values().get(self.columns.clone()).unwrap_or_default() }
+            }
             Item::Event { name, fields, .. } => self.event(name, fields),
         };
         Sample { time: item.time(), what }
@@ -103,18 +111,7 @@ impl Intake {
         }
     }
 
-    fn row(&mut self, cells: &[(Name, Value)]) -> What<'_> {
-        self.values.resize_with(self.columns.len(), Value::default);
-        for ((name, place), value) in self.columns.iter().zip(&mut self.places).zip(&mut self.values) {
-            match cell(cells, name, place) {
-                Some(found) => value.clone_from(found),
-                None => *value = Value::Missing,
-            }
-        }
-        What::Row { cells: &self.values }
-    }
-
-    fn event(&mut self, name: &str, fields: &[(Name, Value)]) -> What<'_> {
+    fn event(&mut self, name: &str, fields: Cells<'_>) -> What<'_> {
         let Some(Fields { event, paths }) = self.events.get(name) else { return What::Other };
         self.values.resize_with(paths.len(), Value::default);
         for (path, value) in paths.iter().zip(&mut self.values) {
@@ -127,19 +124,10 @@ impl Intake {
     }
 }
 
-/// The cell of that name; it is looked for first where it was last.
-fn cell<'a>(cells: &'a [(Name, Value)], name: &str, place: &mut usize) -> Option<&'a Value> {
-    let is_there = |at: usize| cells.get(at).is_some_and(|(n, _)| **n == *name);
-    if !is_there(*place) {
-        *place = (0..cells.len()).find(|at| is_there(*at))?;
-    }
-    cells.get(*place).map(|(_, value)| value)
-}
-
 /// The value at the end of a way.
-fn follow<'a>(fields: &'a [(Name, Value)], path: &[Step]) -> Option<&'a Value> {
+fn follow<'a>(fields: Cells<'a>, path: &[Step]) -> Option<&'a Value> {
     let (Step::Field(first), rest) = path.split_first()? else { return None };
-    let value = fields.iter().find(|(n, _)| **n == **first).map(|(_, v)| v)?;
+    let value = fields.get(first)?;
     rest.iter().try_fold(value, |value, step| match (step, value) {
         (Step::Field(name), value) => value.field(name),
         (Step::Index(index), Value::List(list)) => list.get(*index),

@@ -18,13 +18,14 @@
 //! The way of a recording through a session: its topics and their types make a `shape` that every specification is checked
 //! against once more; what is then wanted of it is read; each item goes to a `run` for each specification, which feeds the
 //! engine, and whose `witness` keeps what a report will need; at the end an `account` of each property
-//! is drawn up.
+//! is drawn up. Where a page is wanted, a `history` notes beside it how everything went over time.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
 mod session;
 mod spec;
+mod types;
 mod watch;
 
 mod intake;
@@ -33,16 +34,22 @@ mod run;
 mod shape;
 
 mod eval;
+mod moment;
 mod ring;
 mod shown;
+mod trail;
 mod witness;
+
+mod history;
 
 mod account;
 mod hints;
 mod words;
 
+pub mod capsule;
 pub mod explain;
 pub mod starter;
+pub mod tune;
 
 pub use lapwing_react::{Report, Standing};
 pub use lapwing_record::{OpenError, TimeSource};

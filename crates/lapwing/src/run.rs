@@ -2,17 +2,23 @@
 
 use lapwing_check::{checked, compile};
 use lapwing_diag::{Code, Diagnostic, Severity};
-use lapwing_engine::{Program, State};
+use lapwing_engine::inputs::Inputs;
+use lapwing_engine::{Observer, Output, Program, State};
+use lapwing_react::history::History;
 use lapwing_react::{Property, Topic, Violation, Warning};
 use lapwing_record::Item;
-use lapwing_stream::Verdict;
+use lapwing_stream::{Time, Value, Verdict};
 
 use crate::account::{self, Notes};
-use crate::hints::Latch;
+use crate::explain;
+use crate::hints::{self, Latch};
+use crate::history::Recorder;
 use crate::intake::{Intake, Wants};
 use crate::losses::Damage;
+use crate::session::Options;
 use crate::shown;
 use crate::spec::Spec;
+use crate::trail::Positions;
 use crate::witness::{Interest, Witness};
 
 /// A share of messages that no instant saw, beyond which there is a warning.
@@ -29,6 +35,8 @@ pub(crate) struct Run<'s> {
     intake: Intake,
     witness: Witness,
     latches: Vec<Option<Latch>>,
+    /// Notes how it goes, where that is asked for.
+    recorder: Option<Recorder>,
     /// The properties as they are before anything is known of them.
     pub blanks: Vec<Property>,
     /// How many violations have been told.
@@ -40,25 +48,29 @@ pub(crate) struct Run<'s> {
 }
 
 impl<'s> Run<'s> {
-    /// A run over a recording that has been checked, with margins or without; `wants` gets what is to be read of it.
-    pub fn new(spec: &'s Spec, checked: lapwing_check::Checked, margins: bool, wants: &mut Wants) -> Run<'s> {
+    /// A run over a recording that has been checked; `wants` gets what is to be read of it.
+    pub fn new(spec: &'s Spec, checked: lapwing_check::Checked, options: &Options, wants: &mut Wants) -> Run<'s> {
         let diagnostics = checked.beyond(&spec.findings().diagnostics).cloned().collect();
         let meaning = checked.spec;
         let program = compile::compile(&meaning);
         let latches: Vec<_> = meaning.properties.iter().map(|p| Latch::of(spec, p)).collect();
         let interest = |(property, latch): (&checked::Property, &Option<Latch>)| Interest {
-            shown: shown::of(spec, &meaning, property),
+            shown: shown::everything(spec, &meaning, property),
+            positions: Positions::of(&meaning, property),
             latch: latch.clone(),
+            latency: explain::latency(property),
+            topics: hints::topics(&meaning, property),
         };
         let interests = meaning.properties.iter().zip(&latches).map(interest).collect();
         Run {
             spec,
             diagnostics,
-            state: if margins { State::with_margins(&program) } else { State::new(&program) },
+            state: if options.margins { State::with_margins(&program) } else { State::new(&program) },
             intake: Intake::new(&meaning, wants),
-            witness: Witness::new(meaning.inputs.len(), interests),
+            witness: Witness::new(meaning.clock, interests),
             latches,
             blanks: meaning.properties.iter().map(|p| account::blank(spec, &meaning, p)).collect(),
+            recorder: options.history.map(|most| Recorder::new(spec, &meaning, most)),
             told: 0,
             jumps_told: 0,
             unmeasured: Vec::new(),
@@ -70,7 +82,14 @@ impl<'s> Run<'s> {
     /// Takes in what comes next.
     pub fn take(&mut self, item: &Item<'_>) {
         let sample = self.intake.sample(item);
-        self.state.feed(&self.program, sample, &mut self.witness);
+        self.witness.arrives(sample.time);
+        match &mut self.recorder {
+            None => self.state.feed(&self.program, sample, &mut self.witness),
+            Some(recorder) => {
+                self.state.feed(&self.program, sample, &mut Both(&mut self.witness, recorder));
+                recorder.take(sample);
+            }
+        }
     }
 
     /// The next violation that has not been told, with the property that it is of.
@@ -127,7 +146,14 @@ impl<'s> Run<'s> {
     /// The recording is over.
     pub fn finish(&mut self, damage: &Damage) -> Vec<Property> {
         let ending = damage.ending(&self.meaning.topics);
-        let outcomes = self.state.finish(&self.program, &ending, &mut self.witness);
+        let outcomes = match &mut self.recorder {
+            None => self.state.finish(&self.program, &ending, &mut self.witness),
+            Some(recorder) => {
+                let outcomes = self.state.finish(&self.program, &ending, &mut Both(&mut self.witness, recorder));
+                recorder.end();
+                outcomes
+            }
+        };
         let mut notes = Notes::new(self.witness.found());
         let mut properties = Vec::new();
         for outcome in &outcomes {
@@ -135,18 +161,33 @@ impl<'s> Run<'s> {
             let mut property = account::property(blank.clone(), outcome, &mut notes);
             account::doubt(&mut property, damage);
             if property.verdict == Verdict::Unmet {
-                property.at_end = self.witness.readings(outcome.property, self.state.inputs());
+                property.at_end = self.witness.readings(outcome.property, &outcome.instance, self.state.inputs());
             }
             if self.witness.is_latched(outcome.property) && property.verdict == Verdict::Violated {
                 property.hints.extend(self.latches[outcome.property].as_ref().map(Latch::hint));
+            }
+            if property.verdict == Verdict::Violated {
+                let silences = self.witness.silences(outcome.property).iter().filter_map(|(topic, silent)| {
+                    let (messages, _) = self.state.messages(*topic);
+                    hints::silence(&self.meaning.topics.get(*topic)?.name, messages, *silent, self.witness.span())
+                });
+                property.hints.extend(silences);
             }
             account::remark(&mut property);
             if outcome.margin_gave_up {
                 self.unmeasured.push(property.name.clone());
             }
+            if let Some(recorder) = &mut self.recorder {
+                recorder.judged(outcome, &property);
+            }
             properties.push(property);
         }
         properties
+    }
+
+    /// How it went, where that was asked for.
+    pub fn into_history(self) -> Option<History> {
+        self.recorder.map(Recorder::finish)
     }
 
     /// What only the whole run shows.
@@ -172,5 +213,23 @@ impl<'s> Run<'s> {
             Warning::plain(format!("{name} has no margin: {why}"))
         });
         unseen.chain(latched).chain(unmeasured).collect()
+    }
+}
+
+/// Two who look at the engine.
+struct Both<'b>(&'b mut Witness, &'b mut Recorder);
+
+impl Observer for Both<'_> {
+    fn wants_margins(&self) -> bool {
+        self.1.wants_margins()
+    }
+
+    fn margin(&mut self, property: usize, instance: &[Option<Value>], at: Time, margin: f64) {
+        self.1.margin(property, instance, at, margin);
+    }
+
+    fn output(&mut self, inputs: &Inputs, output: Output<'_>) {
+        self.1.output(inputs, output.clone());
+        self.0.output(inputs, output);
     }
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use lapwing_diag::Style;
+use lapwing_react::history::History;
 use lapwing_react::{Event, Report, Topic, Warning};
 use lapwing_record::{OpenError, ReadError, Reader, Recording};
 use lapwing_stream::Time;
@@ -26,6 +27,8 @@ pub struct Options {
     pub until_first_violation: bool,
     /// Whether to compute by how much each property missed changing its verdict.
     pub margins: bool,
+    /// Whether to note how signals and properties go over time, and how many points at most of each: see [`Session::run_noting`].
+    pub history: Option<usize>,
 }
 
 /// Specifications over one recording, which is read once. Each specification has its own clock and its own state.
@@ -44,15 +47,20 @@ impl<'s> Session<'s> {
         if specs.iter().any(Spec::runs_over_topics) {
             how.look_ahead = u64::MAX;
         }
-        let recording = lapwing_record::open(trace, how)?;
+        Ok(Session::over(specs, lapwing_record::open(trace, how)?, trace, options))
+    }
+
+    /// Checks the specifications against a recording that is open already; `trace` is what reports call it. What a program says
+    /// without a file comes this way.
+    pub fn over(specs: &'s [Spec], recording: Recording, trace: &Path, options: &Options) -> Session<'s> {
         let shape = shape::of(&recording);
         let mut wants = Wants::default();
         let runs: Vec<Run> =
-            specs.iter().map(|spec| Run::new(spec, spec.against(&shape), options.margins, &mut wants)).collect();
+            specs.iter().map(|spec| Run::new(spec, spec.against(&shape), options, &mut wants)).collect();
         let mut report = blank(specs, trace);
         report.properties = runs.iter().flat_map(|run| run.blanks.clone()).collect();
         report.topics = topics(&runs, &recording);
-        Ok(Session { recording, wants, runs, report, options: options.clone() })
+        Session { recording, wants, runs, report, options: options.clone() }
     }
 
     /// What the recording revealed of the specifications, as text with places: topics that are not there, fields that types lack.
@@ -63,11 +71,18 @@ impl<'s> Session<'s> {
 
     /// Reads the recording to its end.
     pub fn run(self, watch: &mut dyn Watch) -> Report {
+        self.run_noting(watch).0
+    }
+
+    /// Reads the recording to its end, and gives for each specification how its signals and properties went over time, where
+    /// [`Options::history`] asks for it. The properties of the report are those of the first specification, then those of the second, and so on.
+    pub fn run_noting(self, watch: &mut dyn Watch) -> (Report, Vec<History>) {
         let Session { recording, wants, mut runs, mut report, options } = self;
         watch.event(Event::Start(&report));
         runs.iter().flat_map(Run::revelations).for_each(|w| warn(&mut report, w, watch));
         let types: Vec<Topic> = std::mem::take(&mut report.topics);
-        let mut course = Course { reader: recording.read(wants.list()), report: &mut report, watch };
+        let mut course =
+            Course { reader: recording.read_signals(wants.list(), wants.signals()), report: &mut report, watch };
         let damage = course.read(&mut runs, &options);
         for run in &mut runs {
             let properties = run.finish(&damage);
@@ -80,7 +95,7 @@ impl<'s> Session<'s> {
         report.gaps = damage.gaps;
         report.properties.iter().for_each(|p| watch.event(Event::Verdict(p)));
         watch.event(Event::End(&report));
-        report
+        (report, runs.into_iter().filter_map(Run::into_history).collect())
     }
 }
 
@@ -176,7 +191,8 @@ impl Course<'_> {
                 self.watch.progress(read, of);
             }
         }
-        let mut damage = Damage::new(self.reader.losses(), error.as_ref(), last);
+        // Who has stopped is told nothing of an input that could not be waited for.
+        let mut damage = Damage::new(self.reader.losses(), error.as_ref().filter(|_| stopped.is_none()), last);
         if let Some(why) = stopped {
             damage.break_off(why.to_owned());
         }

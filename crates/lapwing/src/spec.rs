@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use lapwing_check::{Checked, Loaded, TraceShape, check, load};
 use lapwing_diag::{Code, Diagnostic, SourceMap, Span, Style, has_errors};
 
+use crate::types::Bundled;
+
 /// A specification without errors.
 #[derive(Clone, Debug)]
 pub struct Spec {
@@ -58,7 +60,8 @@ impl Spec {
         let mut sources = SourceMap::default();
         let file = sources.add(name, text);
         let parsed = lapwing_syntax::parse(file, text);
-        let loaded = load(&mut sources, parsed.file, resolve);
+        let mut loaded = load(&mut sources, parsed.file, resolve);
+        loaded.define(&Bundled);
         let alone = check(&sources, &loaded, None);
         let diagnostics = all(parsed.diagnostics, &alone.diagnostics);
         let findings = Findings { sources, diagnostics };
@@ -86,6 +89,11 @@ impl Spec {
     /// What it means for recordings of that shape.
     pub fn against(&self, shape: &TraceShape) -> Checked {
         check(&self.findings.sources, &self.loaded, Some(shape))
+    }
+
+    /// The names and texts of the files that it consists of, its own first.
+    pub(crate) fn texts(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.findings.sources.files()
     }
 
     /// The text under a place.

@@ -1,14 +1,18 @@
 //! What a report will need of the moments at which something failed, noted when it happens.
 
+use lapwing_check::checked::Clock;
 use lapwing_engine::inputs::Inputs;
 use lapwing_engine::{Observer, Output};
-use lapwing_react::{Reading, Row, Violation};
+use lapwing_react::{Reading, Role, Row, Violation};
 use lapwing_stream::{Duration, Time, Value};
 
-use crate::eval::{self, Moment};
+use crate::eval;
 use crate::hints::Latch;
+use crate::moment::Kept;
+pub(crate) use crate::moment::Now;
 use crate::ring::Ring;
 use crate::shown::Shown;
+use crate::trail::{Positions, Trail};
 
 /// So many violations of a property keep their values.
 const WITH_VALUES: usize = 10_000;
@@ -16,14 +20,14 @@ const WITH_VALUES: usize = 10_000;
 /// So many violations of a property keep what led to them.
 const WITH_HISTORY: usize = 20;
 
+/// So many violations of a property say what its operators over the past are worth, which takes a look at all instants that are kept.
+const WITH_PAST: usize = 1000;
+
 /// How many rows lead to a failure.
 const ROWS: usize = 6;
 
 /// How far back rows go, in nanoseconds, where the obligation began later than that.
 const BACK: i64 = 1_000_000_000;
-
-/// The longest array whose value is kept.
-const LONGEST: usize = 1000;
 
 /// A failure that began an episode.
 #[derive(Clone, Debug)]
@@ -41,48 +45,65 @@ pub(crate) struct Found {
 pub(crate) struct Interest {
     /// What its report shows.
     pub shown: Vec<Shown>,
+    /// Which instants are its positions.
+    pub positions: Positions,
     /// Its `after X`, where it has one.
     pub latch: Option<Latch>,
+    /// How long a failure may have begun before it is known, where that is bounded.
+    pub latency: Option<Duration>,
+    /// The topics of its signals.
+    pub topics: Vec<usize>,
 }
 
 /// Looks at the engine.
 #[derive(Debug)]
 pub(crate) struct Witness {
+    clock: Clock,
     interests: Vec<Interest>,
     ring: Ring,
+    /// The first instant since time began or jumped.
+    first: Option<Time>,
+    /// The stamp of what the engine takes in.
+    arriving: Time,
     found: Vec<Found>,
     /// How many violations of each property there were.
     counts: Vec<usize>,
     /// For each property, whether it failed although its `after X` had ceased to hold.
     latched: Vec<bool>,
+    /// For each property, for how long each of its topics had been silent when it failed first.
+    silences: Vec<Vec<(usize, Duration)>>,
     jumps: Vec<(Time, Time)>,
 }
 
-/// What the world looks like to the engine now.
-pub(crate) struct Now<'i>(pub &'i Inputs);
-
-impl Moment for Now<'_> {
-    fn value(&self, input: usize) -> &Value {
-        self.0.value(input)
-    }
-}
-
 impl Witness {
-    /// Of a specification with so many signals, and what is to be noted of each property.
-    pub fn new(inputs: usize, interests: Vec<Interest>) -> Witness {
-        let mut read = vec![false; inputs];
-        let latches = interests.iter().filter_map(|i| i.latch.as_ref().map(|l| &l.x));
-        let shown = interests.iter().flat_map(|i| i.shown.iter().map(|s| &s.expr));
-        shown.chain(latches).for_each(|e| mark(e, &mut read));
+    /// Of a specification with that clock, and what is to be noted of each property.
+    pub fn new(clock: Clock, interests: Vec<Interest>) -> Witness {
+        let mut kept = Kept::default();
+        for interest in &interests {
+            interest.shown.iter().for_each(|s| s.keep(&mut kept));
+            interest.latch.iter().for_each(|latch| kept.add(&latch.x));
+            interest.positions.keep(&mut kept);
+        }
+        let reach = interests.iter().map(|i| i.latency.map_or(i64::MAX, Duration::nanos)).max().unwrap_or_default();
         let properties = interests.len();
         Witness {
+            clock,
             interests,
-            ring: Ring::new(inputs, |input| read[input]),
+            ring: Ring::new(kept, reach),
+            first: None,
+            arriving: Time(i64::MIN),
             found: Vec::new(),
             counts: vec![0; properties],
             latched: vec![false; properties],
+            silences: vec![Vec::new(); properties],
             jumps: Vec::new(),
         }
+    }
+
+    /// The engine takes in what has that stamp.
+    #[inline]
+    pub fn arrives(&mut self, time: Time) {
+        self.arriving = time;
     }
 
     /// The failures so far, in the order in which they were told.
@@ -100,15 +121,51 @@ impl Witness {
         self.latched.get(property).copied().unwrap_or_default()
     }
 
-    /// The values that a property shows, as they are now.
-    pub fn readings(&self, property: usize, inputs: &Inputs) -> Vec<Reading> {
-        self.interests.get(property).map_or_else(Vec::new, |interest| readings(&interest.shown, &Now(inputs)))
+    /// How long it lasts so far, since the first instant or the latest jump.
+    pub fn span(&self) -> Duration {
+        self.first.map_or(Duration::ZERO, |first| self.arriving.since(first))
     }
 
-    fn alarm(&mut self, inputs: &Inputs, property: usize, began: Time, failed: Time) -> Option<Violation> {
-        let interest = self.interests.get(property)?;
+    /// For how long each topic of a property had been silent when it failed first.
+    pub fn silences(&self, property: usize) -> &[(usize, Duration)] {
+        self.silences.get(property).map_or(&[], Vec::as_slice)
+    }
+
+    /// The values that an instance of a property shows, as they are at the end.
+    pub fn readings(&self, property: usize, instance: &[Value], inputs: &Inputs) -> Vec<Reading> {
+        let Some(interest) = self.interests.get(property) else { return Vec::new() };
+        let params: Vec<Option<Value>> = instance.iter().cloned().map(Some).collect();
+        let trail = Trail::new(&self.ring, &interest.positions, &params, None);
+        let now = Now(inputs);
+        interest.shown.iter().map(|s| s.reading(&trail.present(&now, self.arriving))).collect()
+    }
+
+    /// Whether an instant has that stamp, of those that the engine is about to step through.
+    fn is_instant(&self, time: Time) -> bool {
+        match (self.clock, self.first) {
+            (Clock::Events, _) => time == self.arriving,
+            (Clock::Rate(_), None) => true,
+            (Clock::Rate(hz), Some(first)) => {
+                let (since, second) = (i128::from(time.0) - i128::from(first.0), 1_000_000_000);
+                // The tick whose number is the next whole one, and its stamp.
+                let tick = (since * i128::from(hz)).div_euclid(second);
+                [tick, tick + 1].into_iter().any(|k| (k * second).div_euclid(i128::from(hz.max(1))) == since)
+            }
+        }
+    }
+
+    fn alarm(
+        &mut self,
+        inputs: &Inputs,
+        property: usize,
+        params: &[Option<Value>],
+        began: Time,
+        failed: Time,
+    ) -> Option<Violation> {
         let count = self.counts.get_mut(property)?;
         *count += 1;
+        let count = *count;
+        let interest = self.interests.get(property)?;
         let mut violation = Violation {
             began,
             failed,
@@ -119,92 +176,103 @@ impl Witness {
             history: Vec::new(),
             why: None,
         };
-        if *count <= WITH_VALUES {
-            let values = readings(&interest.shown, &Now(inputs));
-            violation.began_values =
-                if began == failed { Some(values.clone()) } else { began_values(&self.ring, interest, began) };
-            violation.values = Some(values);
+        if count > WITH_VALUES {
+            return Some(violation);
         }
-        if *count <= WITH_HISTORY {
-            violation.history = history(&self.ring, interest, began.min(failed - Duration::from_nanos(BACK)));
-            self.latched[property] |=
-                interest.latch.as_ref().is_some_and(|latch| has_ceased(latch, &self.ring, inputs));
+        if count == 1 {
+            let silent = |topic: &usize| Some((*topic, failed.since(inputs.last(*topic)?)));
+            self.silences[property] = interest.topics.iter().filter_map(silent).collect();
+        }
+        let now = Now(inputs);
+        let is_new =
+            self.ring.instants().next_back().is_none_or(|last| last.time() < failed || self.clock == Clock::Events);
+        let present = (is_new && self.is_instant(failed)).then_some((&now as &dyn eval::Moment, failed));
+        let trail = match count <= WITH_PAST && interest.shown.iter().any(Shown::has_memory) {
+            true => Trail::new(&self.ring, &interest.positions, params, present),
+            false => Trail::without_past(&interest.positions, params),
+        };
+        let account = Account { interest, ring: &self.ring, trail: &trail };
+        let here = trail.present(&now, failed);
+        let values: Vec<Reading> = interest.shown.iter().map(|s| s.reading(&here)).collect();
+        violation.began_values = if began == failed { Some(values.clone()) } else { account.values_at(began) };
+        violation.values = Some(values);
+        if count <= WITH_HISTORY {
+            violation.history = account.history(began.min(failed - Duration::from_nanos(BACK)));
+            self.latched[property] |= interest.latch.as_ref().is_some_and(|latch| account.has_ceased(latch, &here));
         }
         Some(violation)
+    }
+}
+
+/// What the instants that are kept say of a property.
+struct Account<'a> {
+    interest: &'a Interest,
+    ring: &'a Ring,
+    trail: &'a Trail<'a>,
+}
+
+impl Account<'_> {
+    /// The values at an earlier time: those of the last instant up to it.
+    fn values_at(&self, time: Time) -> Option<Vec<Reading>> {
+        let last = self.ring.last_until(time)?;
+        let point = self.trail.past(last, time);
+        Some(self.interest.shown.iter().map(|s| s.reading(&point)).collect())
+    }
+
+    /// The values from `since` on where they changed, some of them, the first and the last among them.
+    fn history(&self, since: Time) -> Vec<Row> {
+        let mut changes = Vec::new();
+        let mut before: Option<Vec<Value>> = None;
+        let tabled = || self.interest.shown.iter().filter(|s| s.role == Role::Value);
+        for instant in self.ring.instants().filter(|i| i.time() >= since) {
+            let point = self.trail.past(instant, instant.time());
+            let values = tabled().map(|s| s.value(&point)).collect();
+            if before.as_ref() != Some(&values) {
+                changes.push(instant);
+                before = Some(values);
+            }
+        }
+        let chosen: Vec<_> = match changes.len() {
+            0..=ROWS => changes,
+            n => (0..ROWS).filter_map(|k| changes.get(k * (n - 1) / (ROWS - 1)).copied()).collect(),
+        };
+        let row = |instant: crate::ring::Instant<'_>| {
+            let point = self.trail.past(instant, instant.time());
+            Row { time: instant.time(), values: self.interest.shown.iter().map(|s| s.value(&point)).collect() }
+        };
+        chosen.into_iter().map(row).collect()
+    }
+
+    /// Whether the X of an `after X` was false at some moment after it had been true, as far as it is known.
+    fn has_ceased(&self, latch: &Latch, here: &dyn eval::Moment) -> bool {
+        let mut was_true = false;
+        let mut ceased = |x: Option<bool>| {
+            was_true |= x == Some(true);
+            was_true && x == Some(false)
+        };
+        let past = self.ring.instants().any(|i| ceased(eval::condition(&latch.x, &self.trail.past(i, i.time()))));
+        past || eval::condition(&latch.x, here) == Some(false)
     }
 }
 
 impl Observer for Witness {
     fn output(&mut self, inputs: &Inputs, output: Output<'_>) {
         match output {
-            Output::Instant(time) => self.ring.push(time, |input| inputs.value(input)),
+            Output::Instant(time) => {
+                self.first.get_or_insert(time);
+                self.ring.push(time, &Now(inputs));
+            }
             Output::Alarm { property, instance, began, failed, why } => {
-                if let Some(violation) = self.alarm(inputs, property, began, failed) {
+                if let Some(violation) = self.alarm(inputs, property, instance, began, failed) {
                     let instance = instance.iter().flatten().cloned().collect();
                     self.found.push(Found { property, instance, violation: Violation { why, ..violation } });
                 }
             }
             Output::Jump { from, to } => {
                 self.ring.clear();
+                self.first = None;
                 self.jumps.push((from, to));
             }
         }
     }
-}
-
-/// Marks the signals that an expression reads.
-fn mark(e: &lapwing_check::checked::Expr, read: &mut [bool]) {
-    if let lapwing_check::checked::Kind::Input(input) = e.kind
-        && let Some(read) = read.get_mut(input)
-    {
-        *read = true;
-    }
-    e.children().into_iter().for_each(|c| mark(c, read));
-}
-
-fn readings(shown: &[Shown], at: &dyn Moment) -> Vec<Reading> {
-    shown.iter().map(|s| Reading { name: s.name.clone(), value: value(s, at) }).collect()
-}
-
-fn value(shown: &Shown, at: &dyn Moment) -> Value {
-    match eval::eval(&shown.expr, at).unwrap_or_default() {
-        Value::Nums(xs) if xs.len() > LONGEST => Value::Str(format!("an array of {}", xs.len())),
-        Value::List(xs) if xs.len() > LONGEST => Value::Str(format!("an array of {}", xs.len())),
-        other => other,
-    }
-}
-
-fn began_values(ring: &Ring, interest: &Interest, began: Time) -> Option<Vec<Reading>> {
-    let mut instants = ring.instants().rev().skip_while(|i| i.time() > began);
-    instants.next().filter(|i| i.time() == began).map(|i| readings(&interest.shown, &i))
-}
-
-/// The values from `since` on where they changed, some of them, the first and the last among them.
-fn history(ring: &Ring, interest: &Interest, since: Time) -> Vec<Row> {
-    let mut rows: Vec<Row> = Vec::new();
-    for instant in ring.instants().filter(|i| i.time() >= since) {
-        let values: Vec<Value> = interest.shown.iter().map(|s| value(s, &instant)).collect();
-        if rows.last().is_none_or(|last| last.values != values) {
-            rows.push(Row { time: instant.time(), values });
-        }
-    }
-    match rows.len() {
-        0..=ROWS => rows,
-        n => (0..ROWS).filter_map(|k| rows.get(k * (n - 1) / (ROWS - 1)).cloned()).collect(),
-    }
-}
-
-/// Whether the X of an `after X` was false at some moment after it had been true, as far as it is known.
-fn has_ceased(latch: &Latch, ring: &Ring, inputs: &Inputs) -> bool {
-    let x = |at: &dyn Moment| eval::condition(&latch.x, at);
-    let mut was_true = false;
-    let ceased = ring.instants().any(|instant| match x(&instant) {
-        Some(true) => {
-            was_true = true;
-            false
-        }
-        Some(false) => was_true,
-        None => false,
-    });
-    ceased || x(&Now(inputs)) == Some(false)
 }

@@ -3,7 +3,7 @@
 use lapwing_stream::Value as Sampled;
 use serde_json::{Map, Value, json};
 
-use crate::report::{Property, Reading, Report, Topic, Violation, Warning};
+use crate::report::{Property, Reading, Report, Row, Topic, Violation, Warning};
 
 /// The version of the format.
 const VERSION: u32 = 1;
@@ -52,10 +52,20 @@ pub(crate) fn violation(violation: &Violation) -> Value {
         "values": violation.values.as_deref().map(readings),
         "began_values": violation.began_values.as_deref().map(readings),
     });
-    if let (Some(why), Some(object)) = (&violation.why, object.as_object_mut()) {
-        object.insert("why".to_owned(), json!(why));
+    if let Some(object) = object.as_object_mut() {
+        if let Some(values) = violation.values.as_deref().filter(|_| !violation.history.is_empty()) {
+            let rows = violation.history.iter().map(|row| history(values, row)).collect();
+            object.insert("history".to_owned(), Value::Array(rows));
+        }
+        object.extend(violation.why.iter().map(|why| ("why".to_owned(), json!(why))));
     }
     object
+}
+
+/// The values at a moment before a violation, under the names that they have at the violation.
+fn history(names: &[Reading], row: &Row) -> Value {
+    let values = names.iter().zip(&row.values).map(|(r, v)| (r.name.clone(), value(v)));
+    json!({ "time_ns": row.time.0, "values": Value::Object(values.collect::<Map<_, _>>()) })
 }
 
 /// The object of a topic.
@@ -93,7 +103,7 @@ fn value(sampled: &Sampled) -> Value {
 }
 
 /// A number; JSON has none for NaN and the infinities, so they are strings, spelt as Protobuf's JSON spells them.
-fn number(x: f64) -> Value {
+pub(crate) fn number(x: f64) -> Value {
     match x {
         x if x.is_nan() => json!("NaN"),
         f64::INFINITY => json!("Infinity"),

@@ -9,13 +9,15 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod backtest;
 mod event;
 mod format;
+pub mod history;
 mod json;
 mod junit;
 mod ndjson;
 mod report;
-mod shown;
+pub mod shown;
 mod tally;
 mod text;
 
@@ -23,8 +25,10 @@ pub use event::Event;
 pub use format::{Format, end, render};
 pub use lapwing_diag::Style;
 pub use ndjson::line;
-pub use report::{Obligations, Property, Reading, Report, Row, Scope, Topic, Violation, Warning};
+pub use report::{Obligations, Property, Reading, Report, Role, Row, Scope, Topic, Violation, Warning};
 pub use tally::{Standing, Tally};
+pub use text::details;
+pub use text::explanation;
 
 #[cfg(test)]
 mod tests;

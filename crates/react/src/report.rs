@@ -113,8 +113,22 @@ pub struct Violation {
 pub struct Reading {
     /// The name or the expression.
     pub name: String,
-    /// Its value, [`Value::Missing`] where it has none.
+    /// Its value, [`Value::Missing`] where it has none or it is not known.
     pub value: Value,
+    /// What it is to the reader.
+    pub role: Role,
+}
+
+/// What a [`Reading`] is to its reader.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum Role {
+    /// A signal, an event, a machine, or a number that is computed and compared.
+    #[default]
+    Value,
+    /// A part of such a number: for programs; people see the number and the signals.
+    Part,
+    /// A condition that is a part of the property.
+    Condition,
 }
 
 /// The values at one instant.

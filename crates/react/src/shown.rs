@@ -12,7 +12,7 @@ const ELEMENTS: usize = 4;
 
 /// From when times are counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Origin(pub Time);
+pub struct Origin(pub Time);
 
 impl Origin {
     /// Zero, or the beginning of a recording that counts in some calendar.
@@ -30,7 +30,7 @@ impl Origin {
 }
 
 /// Nanoseconds as seconds, to the microsecond: `12.5 s`.
-pub(crate) fn seconds(nanos: i128) -> String {
+pub fn seconds(nanos: i128) -> String {
     let sign = if nanos < 0 { "-" } else { "" };
     let micros = (nanos.unsigned_abs() + 500) / 1000;
     let text = format!("{sign}{}.{:06}", micros / 1_000_000, micros % 1_000_000);
@@ -38,7 +38,7 @@ pub(crate) fn seconds(nanos: i128) -> String {
 }
 
 /// A value on one line, every digit of it.
-pub(crate) fn value(of: &Value) -> String {
+pub fn value(of: &Value) -> String {
     match of {
         Value::Missing => "undefined".to_owned(),
         Value::Bool(b) => b.to_string(),
@@ -54,7 +54,7 @@ pub(crate) fn value(of: &Value) -> String {
 }
 
 /// A value in a cell of a table: numbers to five digits.
-pub(crate) fn cell(of: &Value) -> String {
+pub fn cell(of: &Value) -> String {
     match of {
         Value::Missing => "-".to_owned(),
         Value::Num(x) => rounded(*x),
@@ -63,7 +63,7 @@ pub(crate) fn cell(of: &Value) -> String {
 }
 
 /// A margin: rounded, and infinite where nothing that was compared decides.
-pub(crate) fn margin(margin: f64) -> String {
+pub fn margin(margin: f64) -> String {
     match margin {
         f64::INFINITY => "margin ∞".to_owned(),
         f64::NEG_INFINITY => "margin -∞".to_owned(),
@@ -72,7 +72,7 @@ pub(crate) fn margin(margin: f64) -> String {
 }
 
 /// `1 failure`, `2 failures`.
-pub(crate) fn count(n: u64, one: &str, many: &str) -> String {
+pub fn count(n: u64, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 

@@ -6,7 +6,7 @@ use lapwing_stream::{Time, Value, Verdict};
 use crate::*;
 
 fn reading(name: &str, value: impl Into<Value>) -> Reading {
-    Reading { name: name.into(), value: value.into() }
+    Reading { name: name.into(), value: value.into(), role: Role::Value }
 }
 
 fn property(line: usize, text: &str, verdict: Verdict) -> Property {
@@ -116,10 +116,11 @@ fn text() {
           robot.distance.stop_sign: 1.000545118597548
           robot.velocity: 0.1775830972779925
         Failed at 15.1 s; what failed began at 12.4 s, 2.7 s earlier.
-        Before it failed:
+        What led to it:
             time  robot.distance.stop_sign  robot.velocity
-          12.4 s                    0.9998            0.61
+          12.4 s                    0.9998            0.61  began
             15 s                      0.97            0.21
+          15.1 s                    1.0005         0.17758  failed
         2 failures in 2 episodes; 1 met.
           again at 18 s (1 failure)
         On a live robot: would publish /cmd_vel geometry_msgs/Twist
@@ -211,7 +212,23 @@ fn json() {
                   "began_values": {
                     "robot.distance.stop_sign": 0.9998,
                     "robot.velocity": 0.61
-                  }
+                  },
+                  "history": [
+                    {
+                      "time_ns": 12400000000,
+                      "values": {
+                        "robot.distance.stop_sign": 0.9998,
+                        "robot.velocity": 0.61
+                      }
+                    },
+                    {
+                      "time_ns": 15000000000,
+                      "values": {
+                        "robot.distance.stop_sign": 0.97,
+                        "robot.velocity": 0.21
+                      }
+                    }
+                  ]
                 },
                 {
                   "began_ns": 17000000000,
@@ -310,7 +327,7 @@ fn ndjson() {
         &events.map(|e| line(&report.trace, e)).concat(),
         expect![[r#"
         {"type":"start","lapwing":1,"spec":["stop.rv"],"trace":"run.mcap","topics":[{"name":"/odom","type":"nav_msgs/Odometry"},{"name":"/gt","type":null}],"properties":[{"name":"line 3","file":"stop.rv","line":3,"text":"after_until robot.distance.stop_sign < 1, robot.distance.stop_sign > 1, eventually\nrobot.velocity == 0"},{"name":"line 6","file":"stop.rv","line":6,"text":"whenever honk, lights"},{"name":"line 8","file":"stop.rv","line":8,"text":"never scan < 1"},{"name":"line 9","file":"stop.rv","line":9,"text":"eventually goal"}]}
-        {"type":"violation","trace":"run.mcap","name":"line 3","file":"stop.rv","line":3,"text":"after_until robot.distance.stop_sign < 1, robot.distance.stop_sign > 1, eventually\nrobot.velocity == 0","began_ns":12400000000,"failed_ns":15100000000,"until_ns":15100000000,"count":1,"values":{"robot.distance.stop_sign":1.000545118597548,"robot.velocity":0.1775830972779925},"began_values":{"robot.distance.stop_sign":0.9998,"robot.velocity":0.61}}
+        {"type":"violation","trace":"run.mcap","name":"line 3","file":"stop.rv","line":3,"text":"after_until robot.distance.stop_sign < 1, robot.distance.stop_sign > 1, eventually\nrobot.velocity == 0","began_ns":12400000000,"failed_ns":15100000000,"until_ns":15100000000,"count":1,"values":{"robot.distance.stop_sign":1.000545118597548,"robot.velocity":0.1775830972779925},"began_values":{"robot.distance.stop_sign":0.9998,"robot.velocity":0.61},"history":[{"time_ns":12400000000,"values":{"robot.distance.stop_sign":0.9998,"robot.velocity":0.61}},{"time_ns":15000000000,"values":{"robot.distance.stop_sign":0.97,"robot.velocity":0.21}}]}
         {"type":"warning","trace":"run.mcap","code":null,"message":"time jumped back from 3 s to 1 s","file":null,"line":null}
         {"type":"verdict","trace":"run.mcap","name":"line 9","file":"stop.rv","line":9,"text":"eventually goal","verdict":"unmet","cause":null,"vacuous":false,"obligations":{"met":0,"failed":0,"open":0},"margin":null,"violations":[],"nans":0}
         {"type":"end","trace":"run.mcap","start_ns":0,"end_ns":20000000000,"instants":801,"topics":[{"name":"/odom","type":"nav_msgs/Odometry","messages":600,"unseen":3},{"name":"/gt","type":null,"messages":200,"unseen":0}],"gaps":["run.mcap, byte 12: the file breaks off"]}
@@ -342,10 +359,11 @@ fn junit() {
           robot.distance.stop_sign: 1.000545118597548
           robot.velocity: 0.1775830972779925
         Failed at 15.1 s; what failed began at 12.4 s, 2.7 s earlier.
-        Before it failed:
+        What led to it:
             time  robot.distance.stop_sign  robot.velocity
-          12.4 s                    0.9998            0.61
+          12.4 s                    0.9998            0.61  began
             15 s                      0.97            0.21
+          15.1 s                    1.0005         0.17758  failed
         2 failures in 2 episodes; 1 met.
           again at 18 s (1 failure)
         On a live robot: would publish /cmd_vel geometry_msgs/Twist

@@ -14,6 +14,7 @@ use std::sync::Arc;
 use lapwing_stream::{Schema, Value};
 
 pub(crate) use json::value as json_value;
+pub(crate) use run::{set_bool, set_number, set_text};
 
 use crate::definition::Layout;
 use crate::path::Path;

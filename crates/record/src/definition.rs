@@ -8,6 +8,7 @@ mod share;
 
 use lapwing_stream::{Constant, Name};
 
+pub use bundled::{names as bundled_names, text_with_parts as bundled_text};
 pub use layout::{Layout, Node, Prim};
 pub use share::Library;
 

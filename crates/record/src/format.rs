@@ -7,17 +7,24 @@ mod fields;
 pub(crate) mod input;
 pub(crate) mod lines;
 pub(crate) mod mcap;
+pub(crate) mod messages;
 pub(crate) mod metadata;
 pub(crate) mod ndjson;
 pub(crate) mod rosbag2;
+mod signals;
 pub(crate) mod sqlite;
+pub(crate) mod stream;
 pub(crate) mod types;
+
+#[cfg(test)]
+mod tests;
 
 use std::fmt;
 use std::sync::Arc;
 
-use lapwing_stream::{Name, Time, Value};
+use lapwing_stream::{Name, Time};
 
+use crate::cells::Cells;
 use crate::decode::MessageType;
 use crate::error::{Losses, Place, ReadError};
 
@@ -34,6 +41,8 @@ pub enum Format {
     Csv,
     /// One JSON object a line.
     Ndjson,
+    /// No file: a program gives its messages one by one.
+    Messages,
 }
 
 impl fmt::Display for Format {
@@ -44,6 +53,7 @@ impl fmt::Display for Format {
             Format::Ros1Bag => "ROS 1 bag",
             Format::Csv => "CSV",
             Format::Ndjson => "NDJSON",
+            Format::Messages => "a program's messages",
         })
     }
 }
@@ -60,6 +70,8 @@ pub(crate) struct Channel {
     pub note: String,
     /// How many messages it has, where the recording says so or was read through.
     pub messages: Option<u64>,
+    /// What the recording says of its type, where its messages lie there as bytes.
+    pub declared: Option<Arc<types::Declared>>,
 }
 
 /// What comes next in a recording.
@@ -84,9 +96,15 @@ pub(crate) trait Source: Send {
     /// The bytes of the current message; an error says why this one cannot be had.
     fn payload(&mut self) -> Result<&[u8], String>;
 
+    /// Of rows only these signals are wanted, in this order. Called before the first row is read, or not at all.
+    fn choose(&mut self, _signals: &[Name]) {}
+
+    /// Payloads are only asked for of messages of those channels. Called before the first message is read, or not at all.
+    fn leave_out(&mut self, _is_wanted: &dyn Fn(&Channel) -> bool) {}
+
     /// The cells of the current row or the fields of the current event.
-    fn cells(&self) -> &[(Name, Value)] {
-        &[]
+    fn cells(&self) -> Cells<'_> {
+        Cells::default()
     }
 
     /// The name of the current event.
@@ -94,7 +112,7 @@ pub(crate) trait Source: Send {
         ""
     }
 
-    /// The names of the columns, where there are columns.
+    /// The names of the columns, where there are columns; else those of values, as far as they are known before the reading.
     fn columns(&self) -> &[Name] {
         &[]
     }

@@ -17,7 +17,7 @@
 //! let mut reader = open(&file, Options::default())?.read(&[]);
 //! while let Some(item) = reader.next() {
 //!     if let Item::Row { time, cells } = item? {
-//!         println!("{time}: {} = {:?}", cells[0].0, cells[0].1);
+//!         println!("{time}: speed = {:?}", cells.get("speed"));
 //!     }
 //! }
 //! assert!(reader.losses().is_empty());
@@ -29,6 +29,8 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod ahead;
+mod cells;
 mod decimal;
 mod decode;
 mod definition;
@@ -38,16 +40,19 @@ mod format;
 mod open;
 mod options;
 mod path;
+mod raw;
 mod reader;
 mod recording;
 mod reorder;
 
+pub use cells::Cells;
 pub use decode::{DecodeError, Decoder, MessageType};
-pub use definition::{DefinitionError, Dialect, Layout, Library, Node, Prim, normal_name};
+pub use definition::{DefinitionError, Dialect, Layout, Library, Node, Prim, bundled_names, bundled_text, normal_name};
 pub use error::{Loss, OpenError, Place, Position, ReadError};
 pub use expand::expand;
-pub use format::Format;
+pub use format::{Format, messages::Messages};
 pub use options::{Limits, Options, TimeSource};
 pub use path::{Part, Path, PathError};
+pub use raw::{RawChannel, RawMessage, RawReader};
 pub use reader::{Item, Reader};
 pub use recording::{Recording, TopicInfo, Wanted, open};

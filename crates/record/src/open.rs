@@ -4,6 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, Cursor, Read};
 use std::path::Path;
 
+use crate::ahead;
 use crate::definition::Library;
 use crate::error::{OpenError, ReadError};
 use crate::format::bag::{self, Bag};
@@ -13,6 +14,7 @@ use crate::format::mcap::{self, Mcap};
 use crate::format::ndjson::Ndjson;
 use crate::format::rosbag2::{self, Rosbag2};
 use crate::format::sqlite::{self, Sqlite};
+use crate::format::stream::Stream;
 use crate::format::{Format, Source};
 use crate::options::Limits;
 
@@ -24,19 +26,26 @@ const SHOWN: usize = 40;
 /// An opened recording and its format.
 pub(crate) type Opened = (Format, Box<dyn Source>);
 
-/// Opens a file, a folder, or standard input (`-`).
-pub(crate) fn open(path: &Path, library: &Library, limits: &Limits) -> Result<Opened, OpenError> {
+/// Standard input or a pipe, which cannot be read twice: only what is read from its beginning to its end can come through it. `None`
+/// for a file or a folder.
+pub(crate) fn stream(path: &Path, stopped: fn() -> bool) -> Result<Option<Stream>, OpenError> {
+    let error = |error| OpenError::Io { path: path.to_owned(), error };
     if path == Path::new("-") {
-        return text(Box::new(io::stdin()), path, 0, library, limits);
+        return Stream::new(io::stdin(), stopped).map(Some).map_err(error);
     }
+    let about = fs::metadata(path).map_err(error)?;
+    if about.is_dir() || about.is_file() {
+        return Ok(None);
+    }
+    File::open(path).and_then(|file| Stream::new(file, stopped)).map(Some).map_err(error)
+}
+
+/// Opens a file or a folder.
+pub(crate) fn open(path: &Path, library: &Library, limits: &Limits) -> Result<Opened, OpenError> {
     let error = |error| OpenError::Io { path: path.to_owned(), error };
     let about = fs::metadata(path).map_err(error)?;
     if about.is_dir() {
         return folder(path, library, limits);
-    }
-    if !about.is_file() {
-        // A pipe cannot be read twice: only what is read from its beginning to its end can come through it.
-        return text(Box::new(File::open(path).map_err(error)?), path, 0, library, limits);
     }
     let begins = |magic| rosbag2::begins_with(path, magic);
     if begins(mcap::MAGIC)? {
@@ -64,7 +73,7 @@ fn folder(path: &Path, library: &Library, limits: &Limits) -> Result<Opened, Ope
 }
 
 /// A text format, by its first line that is not blank.
-fn text(
+pub(crate) fn text(
     mut from: Box<dyn Read + Send>,
     path: &Path,
     total: u64,
@@ -78,25 +87,33 @@ fn text(
     let first = first(&mut head).map_err(|e| OpenError::Io { path: path.to_owned(), error: e.error })?;
     let Some(first) = first else { return Err(unrecognised("it is empty".to_owned())) };
     if first.trim_ascii_start().starts_with(b"{") {
-        return Ok((Format::Ndjson, Box::new(Ndjson::new(again(), library, limits))));
+        let ahead = Lines::new(Box::new(Cursor::new(start.clone())), path, 0, limits.line);
+        let names = ahead::names(&mut Ndjson::new(ahead, library, limits), u64::MAX);
+        return Ok((Format::Ndjson, Box::new(Ndjson::new(again(), library, limits).with_names(names))));
     }
     let is_text = std::str::from_utf8(&first).is_ok() && !first.contains(&0);
-    let header = first.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&first);
-    if is_text && csv::names(header).is_some_and(|names| csv::time_column(&names).is_some()) {
+    if is_text && csv::names(&first).is_some_and(|names| csv::time_column(&names).is_some()) {
         return Ok((Format::Csv, Box::new(Csv::open(again(), limits)?)));
     }
-    Err(unrecognised(format!("it begins with {}{}", shown(&first), hint(header))))
+    Err(unrecognised(format!("it begins with {}{}", shown(&first), hint(&first))))
 }
 
 /// What would have made a table of it, where little is missing.
-fn hint(header: &[u8]) -> &'static str {
-    let names: Vec<&[u8]> = header.split(|b| matches!(b, b';' | b'\t')).map(<[u8]>::trim_ascii).collect();
-    if names.len() > 1 && names.iter().any(|n| matches!(*n, b"time" | b"time_ns")) {
-        ", and its columns are not separated by commas"
-    } else {
-        ""
+fn hint(header: &[u8]) -> String {
+    let names = |is_separator: fn(&u8) -> bool| header.split(is_separator).map(<[u8]>::trim_ascii);
+    if names(|b| matches!(b, b';' | b'\t')).any(|name| matches!(name, b"time" | b"time_ns")) && !header.contains(&b',')
+    {
+        return ", and its columns are not separated by commas".to_owned();
+    }
+    let is_like_time = |name: &&[u8]| TIMES.iter().any(|time| name.eq_ignore_ascii_case(time));
+    match names(|b| *b == b',').find(is_like_time) {
+        Some(name) => format!(": is its column `{}` the time? Name it so", name.escape_ascii()),
+        None => String::new(),
     }
 }
+
+/// What a column of time is called elsewhere.
+const TIMES: &[&[u8]] = &[b"time", b"time_ns", b"t", b"timestamp", b"stamp", b"seconds", b"sec"];
 
 /// The bytes of a stream up to the end of its first line that is not blank: no more is asked for than comes.
 fn first_line(from: &mut dyn Read, limits: &Limits) -> io::Result<Vec<u8>> {

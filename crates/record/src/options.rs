@@ -14,9 +14,11 @@ pub struct Options {
     /// Trees of installed message definitions, asked before the bundled ones:
     /// `DIR/<pkg>/msg`, `DIR/share/<pkg>/msg` or `DIR/<pkg>/share/<pkg>/msg`.
     pub msgs: Vec<PathBuf>,
-    /// How many bytes of an NDJSON file are looked through for topics before it is read; `u64::MAX` for all of it. Other formats
-    /// tell their topics at once, and a stream is not waited for.
+    /// How many bytes of an NDJSON file are looked through for topics and names before it is read; `u64::MAX` for all of it. Other
+    /// formats tell theirs at once. A stream is only waited for, and kept in a temporary file, with `u64::MAX`.
     pub look_ahead: u64,
+    /// Asked while a stream has nothing to give. Once it is true the stream is not waited for any longer: reading it fails.
+    pub stopped: fn() -> bool,
     /// How much memory and disk a file may ask for.
     pub limits: Limits,
 }
@@ -28,6 +30,7 @@ impl Default for Options {
             reorder: Duration::from_nanos(1_000_000_000),
             msgs: Vec::new(),
             look_ahead: 1 << 20,
+            stopped: || false,
             limits: Limits::default(),
         }
     }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use lapwing_stream::{Name, Time, Value};
 
+use crate::cells::Cells;
 use crate::decode::{Decoder, MessageType};
 use crate::error::{Loss, Losses, ReadError};
 use crate::format::{Head, Source};
@@ -30,9 +31,9 @@ pub enum Item<'a> {
     Row {
         /// When.
         time: Time,
-        /// Names and values. Of CSV all columns, in the order of [`Recording::columns`](crate::Recording::columns); an
-        /// empty cell is [`Value::Missing`].
-        cells: &'a [(Name, Value)],
+        /// Those that were [chosen](crate::Recording::read_signals), in that order. Else all: of CSV in the order of
+        /// [`Recording::columns`](crate::Recording::columns). An empty cell is [`Value::Missing`].
+        cells: Cells<'a>,
     },
     /// An event of NDJSON.
     Event {
@@ -41,7 +42,7 @@ pub enum Item<'a> {
         /// Its name.
         name: &'a str,
         /// All its other keys.
-        fields: &'a [(Name, Value)],
+        fields: Cells<'a>,
     },
 }
 
@@ -104,9 +105,17 @@ enum What {
 }
 
 impl Reader {
-    pub(crate) fn new(source: Box<dyn Source>, wanted: &[Wanted], options: &Options) -> Reader {
+    pub(crate) fn new(
+        mut source: Box<dyn Source>,
+        wanted: &[Wanted],
+        signals: Option<&[Name]>,
+        options: &Options,
+    ) -> Reader {
+        if let Some(signals) = signals {
+            source.choose(signals);
+        }
         let by_header = options.time == TimeSource::Header;
-        Reader {
+        let mut reader = Reader {
             source,
             wanted: wanted.to_vec(),
             limits: options.limits.clone(),
@@ -119,7 +128,18 @@ impl Reader {
             losses: Losses::new(options.limits.losses),
             failed: None,
             ended: false,
-        }
+        };
+        reader.leave_out();
+        reader
+    }
+
+    /// Tells the source whose messages nobody looks at.
+    fn leave_out(&mut self) {
+        let Reader { source, wanted, by_header, limits, .. } = self;
+        let has_stamp = |ty: &MessageType| Decoder::new(ty, &stamp_paths(), limits.elements).is_ok();
+        source.leave_out(&|channel| {
+            position(wanted, &channel.topic).is_some() || *by_header && channel.ty.as_ref().is_ok_and(has_stamp)
+        });
     }
 
     /// The next item, in the order of the file or, by header, of time. After an error there are no more.
@@ -146,6 +166,7 @@ impl Reader {
     }
 
     /// Reads the next item from the source.
+    #[inline]
     fn pull(&mut self) -> Result<Option<Pulled>, ReadError> {
         if self.ended {
             return Ok(None);
@@ -197,7 +218,7 @@ impl Reader {
     fn bind(&mut self) {
         let channel = &self.source.channels()[self.bindings.len()];
         let (topic, ty) = (channel.topic.clone(), channel.ty.clone());
-        let wanted = self.wanted.iter().position(|w| without_slash(&w.topic) == without_slash(&topic));
+        let wanted = position(&self.wanted, &topic);
         let fields = wanted.map_or(&[][..], |k| &self.wanted[k].fields);
         let (decoder, stamped) = match ty {
             Ok(ty) => self.decoder(&ty, fields, wanted.is_some()),
@@ -224,6 +245,7 @@ impl Reader {
         (decoder, false)
     }
 
+    #[inline]
     fn item(&self, pulled: Pulled) -> Item<'_> {
         let time = pulled.time;
         match pulled.what {
@@ -294,11 +316,11 @@ impl Reader {
                 Kind::Message { topic, wanted }
             }
             What::Row => {
-                self.source.cells().clone_into(&mut held.cells);
+                hold_cells(held, self.source.cells());
                 Kind::Row
             }
             What::Event => {
-                self.source.cells().clone_into(&mut held.cells);
+                hold_cells(held, self.source.cells());
                 Kind::Event(self.source.event().to_owned())
             }
         };
@@ -306,10 +328,11 @@ impl Reader {
     }
 
     fn held_item(&self, at: usize) -> Item<'_> {
-        let Some(Held { time, kind, values, cells }) = self.order.as_ref().map(|o| o.get(at)) else {
-            return Item::Row { time: Time::default(), cells: &[] };
+        let Some(Held { time, kind, values, names }) = self.order.as_ref().map(|o| o.get(at)) else {
+            return Item::Row { time: Time::default(), cells: Cells::default() };
         };
         let time = *time;
+        let cells = Cells::new(names, values);
         match kind {
             Kind::Message { topic, wanted } => {
                 let count = wanted.map_or(0, |w| self.wanted[w].fields.len());
@@ -319,6 +342,16 @@ impl Reader {
             Kind::Event(name) => Item::Event { time, name, fields: cells },
         }
     }
+}
+
+fn hold_cells(held: &mut Held, cells: Cells<'_>) {
+    cells.names().clone_into(&mut held.names);
+    cells.values().clone_into(&mut held.values);
+}
+
+/// Which of the wanted topics that is.
+fn position(wanted: &[Wanted], topic: &str) -> Option<usize> {
+    wanted.iter().position(|w| without_slash(&w.topic) == without_slash(topic))
 }
 
 fn without_slash(topic: &str) -> &str {

@@ -1,15 +1,20 @@
 //! An opened recording: what is in it, before any message is read.
 
+use std::io::Seek;
 use std::path::Path;
 use std::sync::Arc;
 
 use lapwing_stream::{Name, Schema};
 
+use crate::ahead;
+use crate::decode::MessageType;
 use crate::definition::Library;
-use crate::error::{Losses, OpenError};
+use crate::error::OpenError;
+use crate::format::messages::{self, Messages};
 use crate::format::{Channel, Format, Source};
 use crate::options::Options;
 use crate::path;
+use crate::raw::RawReader;
 use crate::reader::Reader;
 
 /// An opened recording.
@@ -17,6 +22,7 @@ pub struct Recording {
     format: Format,
     source: Box<dyn Source>,
     topics: Vec<TopicInfo>,
+    columns: Vec<Name>,
     options: Options,
 }
 
@@ -48,27 +54,55 @@ pub struct Wanted {
 /// file only so much as [`Options::look_ahead`] says, and of a stream only its first line (for which it waits).
 pub fn open(path: &Path, options: Options) -> Result<Recording, OpenError> {
     let library = Library::new(&options.msgs);
-    let (format, source) = crate::open::open(path, &library, &options.limits)?;
-    let topics = match format {
-        Format::Ndjson => look_ahead(path, &library, &options),
-        _ => topics(source.channels()),
+    let text = |from| crate::open::text(from, path, 0, &library, &options.limits);
+    let (format, source, found) = match crate::open::stream(path, options.stopped)? {
+        Some(stream) if options.look_ahead == u64::MAX => {
+            let mut file = ahead::spool(stream, path, &options.limits)?;
+            let error = |error| OpenError::Io { path: path.to_owned(), error };
+            let (_, ahead) = text(Box::new(file.try_clone().map_err(error)?))?;
+            let found = Found::ahead(ahead, u64::MAX);
+            file.rewind().map_err(error)?;
+            let (format, source) = text(Box::new(file))?;
+            (format, source, found)
+        }
+        Some(stream) => {
+            let (format, source) = text(Box::new(stream))?;
+            let found = Found::at_once(&*source);
+            (format, source, found)
+        }
+        None => {
+            let open = || crate::open::open(path, &library, &options.limits);
+            let (format, source) = open()?;
+            let found = match format {
+                Format::Ndjson => {
+                    open().map_or_else(|_| Found::default(), |(_, s)| Found::ahead(s, options.look_ahead))
+                }
+                _ => Found::at_once(&*source),
+            };
+            (format, source, found)
+        }
     };
-    Ok(Recording { format, source, topics, options })
+    Ok(Recording { format, source, topics: found.topics, columns: found.columns, options })
 }
 
-/// The topics at the beginning of an NDJSON file. A stream cannot be read twice, and is not waited for.
-fn look_ahead(path: &Path, library: &Library, options: &Options) -> Vec<TopicInfo> {
-    if !path.is_file() {
-        return Vec::new();
+/// What is known of a recording before it is read.
+#[derive(Default)]
+struct Found {
+    topics: Vec<TopicInfo>,
+    columns: Vec<Name>,
+}
+
+impl Found {
+    /// What a source tells at once.
+    fn at_once(source: &dyn Source) -> Found {
+        Found { topics: topics(source.channels()), columns: source.columns().to_vec() }
     }
-    let Ok((_, mut source)) = crate::open::open(path, library, &options.limits) else { return Vec::new() };
-    let mut losses = Losses::new(1);
-    while let Ok(Some(_)) = source.advance(&mut losses) {
-        if source.progress().0 >= options.look_ahead {
-            break;
-        }
+
+    /// What so many bytes of a source tell, which is then of no further use.
+    fn ahead(mut source: Box<dyn Source>, bytes: u64) -> Found {
+        let names = ahead::names(&mut *source, bytes);
+        Found { topics: topics(source.channels()), columns: names }
     }
-    topics(source.channels())
 }
 
 fn topics(channels: &[Channel]) -> Vec<TopicInfo> {
@@ -99,6 +133,20 @@ fn schema(channel: &Channel) -> Result<Arc<Schema>, String> {
 }
 
 impl Recording {
+    /// What a program says, read as a recording: its topics with the types of their messages, and the messages. `name` stands where
+    /// the path of a file would.
+    pub fn of(
+        name: &Path,
+        topics: Vec<(String, MessageType)>,
+        messages: Box<dyn Messages>,
+        options: Options,
+    ) -> Recording {
+        let channels = messages::channels(topics);
+        let topics = self::topics(&channels);
+        let source = Box::new(messages::Program { name: name.to_owned(), channels, messages });
+        Recording { format: Format::Messages, source, topics, columns: Vec::new(), options }
+    }
+
     /// Its format.
     pub fn format(&self) -> Format {
         self.format
@@ -115,14 +163,26 @@ impl Recording {
         matches!(self.format, Format::Csv | Format::Ndjson)
     }
 
-    /// The columns of a CSV file but that of the time, in order: the cells of every row have this order.
+    /// The columns of a CSV file but that of the time, in order. Of NDJSON the names of values that are known beforehand, as the
+    /// [topics](Recording::topics) are; of a stream those of its first line.
     pub fn columns(&self) -> &[Name] {
-        self.source.columns()
+        &self.columns
     }
 
-    /// Starts reading. Of topics that are not wanted only the times are given.
+    /// Starts reading. Of topics that are not wanted only the times are given; of rows all cells are.
     pub fn read(self, wanted: &[Wanted]) -> Reader {
-        Reader::new(self.source, wanted, &self.options)
+        Reader::new(self.source, wanted, None, &self.options)
+    }
+
+    /// Starts reading the messages of some topics as they lie there, by log time.
+    pub fn read_raw(self, topics: &[String]) -> RawReader {
+        RawReader::new(self.source, topics, self.options.limits.losses)
+    }
+
+    /// Starts reading as [`read`](Recording::read) does, but of rows only those signals: every row has exactly these cells, in this
+    /// order, [`Value::Missing`](lapwing_stream::Value::Missing) where there is none of that name. The others are not even decoded.
+    pub fn read_signals(self, wanted: &[Wanted], signals: &[Name]) -> Reader {
+        Reader::new(self.source, wanted, Some(signals), &self.options)
     }
 }
 

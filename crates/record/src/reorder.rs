@@ -11,8 +11,10 @@ use lapwing_stream::{Duration, Name, Time, Value};
 pub(crate) struct Held {
     pub time: Time,
     pub kind: Kind,
+    /// Of a message its fields, of a row or an event its cells.
     pub values: Vec<Value>,
-    pub cells: Vec<(Name, Value)>,
+    /// Those of the cells.
+    pub names: Vec<Name>,
 }
 
 /// What is held back.

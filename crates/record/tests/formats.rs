@@ -2,7 +2,7 @@
 
 mod make;
 
-use lapwing_record::{Format, Item, Options, Recording, TimeSource, Wanted, open};
+use lapwing_record::{Cells, Format, Item, Options, Recording, TimeSource, Wanted, open};
 use lapwing_stream::{Duration, Type, Value};
 
 fn recording(text: &[u8], options: Options) -> (tempfile::TempDir, Recording) {
@@ -17,9 +17,7 @@ fn recording(text: &[u8], options: Options) -> (tempfile::TempDir, Recording) {
 fn shown(recording: Recording, wanted: &[Wanted]) -> (Vec<String>, Vec<String>) {
     let mut reader = recording.read(wanted);
     let mut lines = Vec::new();
-    let cells = |cells: &[(lapwing_stream::Name, Value)]| {
-        cells.iter().map(|(n, v)| format!(" {n}={}", short(v))).collect::<String>()
-    };
+    let cells = |cells: Cells<'_>| cells.iter().map(|(n, v)| format!(" {n}={}", short(v))).collect::<String>();
     while let Some(item) = reader.next() {
         lines.push(match item.unwrap() {
             Item::Message { time, wanted, topic, values } => {

@@ -290,6 +290,7 @@ fn what_is_no_recording_is_told_what_was_seen() {
     assert!(seen(b"\x7fELF\x02\x01").contains(r"`\x7fELF\x02\x01`"));
     assert!(seen(b"a,b\n1,2\n").contains("`time`"));
     assert!(seen(b"time;b\n1;2\n").contains("not separated by commas"));
+    assert!(seen(b"Time,b\n1,2\n").contains("is its column `Time` the time?"));
     assert!(seen(b"#ROSBAG V1.2\n").contains("rosbag fix"));
     let folder = read(Path::new(dir.path()), Options::default()).map(|_| ()).unwrap_err();
     assert!(matches!(folder, OpenError::Unrecognised { .. }));

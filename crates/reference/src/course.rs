@@ -8,7 +8,7 @@ use crate::machines::MachineLog;
 use crate::piece::{Instant, Occurrence, Piece};
 use crate::truth::Truth;
 use crate::values::{self, Computed};
-use lapwing_check::checked::{self, Bound, Connective, Expr, Kind, ReadOf, Window};
+use lapwing_check::checked::{self, Bound, Connective, EventSource, Expr, Kind, ReadOf, Window};
 use lapwing_stream::{Duration, Time, Type, Value};
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -20,6 +20,8 @@ pub(crate) struct Course<'a> {
     pub(crate) instants: Vec<Instant>,
     /// The events that occur at each.
     occurred: Vec<Vec<Occurrence>>,
+    /// Those of which nobody can tell whether they occur, and why.
+    unclear: Vec<Vec<(usize, String)>>,
     /// The instant that is position 0; `None` where it never starts.
     start: Option<usize>,
     /// The values of the slices around it.
@@ -28,12 +30,23 @@ pub(crate) struct Course<'a> {
     logs: &'a [MachineLog],
     /// For a machine: what it has done so far itself.
     pub(crate) own: RefCell<MachineLog>,
-    /// The first position with a value of a wrong kind, and what is wrong.
-    fault: RefCell<Option<(usize, String)>>,
+    /// Where a value of a wrong kind was met with first.
+    fault: RefCell<Option<Fault>>,
     /// Values already computed, by expression and position.
     known: RefCell<HashMap<(*const Expr, i64), Value>>,
     /// Truth values already found, by formula, position and what is seen.
     pub(crate) found: RefCell<HashMap<(*const Expr, usize, View), Truth>>,
+}
+
+/// Where what is said comes to rest on a value of a wrong kind.
+#[derive(Clone, Debug)]
+pub(crate) struct Fault {
+    /// The first position that is spoilt.
+    pub(crate) position: usize,
+    /// Where that is none yet: when it would have been. What is due then is not decided any more.
+    pub(crate) before: Option<Time>,
+    /// What is wrong.
+    pub(crate) what: String,
 }
 
 /// What decides on the instants and the start of a property or a machine.
@@ -56,8 +69,19 @@ impl<'a> Course<'a> {
         let mut instants = instants::of(piece, needs);
         let occurrences = |i: &Instant| occurring(piece, logs, &needs.slices, i);
         let mut occurred: Vec<Vec<Occurrence>> = instants.iter().map(occurrences).collect();
+        let mut unclear: Vec<Vec<(usize, String)>> = instants.iter().map(|i| unclear_at(piece, logs, i)).collect();
+        let mut fault = None;
         if let Some(alphabet) = needs.alphabet {
             let steps = |o: &Vec<Occurrence>| o.iter().any(|o| alphabet.contains(&o.event));
+            // What may have been a position spoils all that was to be decided from there on.
+            let spoils = |u: &Vec<(usize, String)>| u.iter().find(|(event, _)| alphabet.contains(event)).cloned();
+            fault = unclear.iter().enumerate().find_map(|(i, u)| Some((i, spoils(u)?.1))).map(|(i, what)| Fault {
+                position: occurred[..i].iter().filter(|o| steps(o)).count(),
+                before: Some(instants[i].time),
+                what,
+            });
+            let mut keep = occurred.iter().map(steps);
+            unclear.retain(|_| keep.next().unwrap_or(false));
             let mut keep = occurred.iter().map(steps);
             instants.retain(|_| keep.next().unwrap_or(false));
             occurred.retain(steps);
@@ -70,11 +94,12 @@ impl<'a> Course<'a> {
             piece,
             instants,
             occurred,
+            unclear,
             start,
             params,
             logs,
             own: RefCell::default(),
-            fault: RefCell::default(),
+            fault: RefCell::new(fault),
             known: RefCell::default(),
             found: RefCell::default(),
         }
@@ -86,6 +111,7 @@ impl<'a> Course<'a> {
             piece,
             instants: vec![instant],
             occurred: vec![vec![occurrence]],
+            unclear: vec![Vec::new()],
             start: Some(0),
             params: Vec::new(),
             logs: &[],
@@ -120,12 +146,12 @@ impl<'a> Course<'a> {
 
     /// What is wrong with the first value of a wrong kind.
     pub(crate) fn fault(&self) -> Option<String> {
-        self.fault.borrow().as_ref().map(|(_, what)| what.clone())
+        self.fault.borrow().as_ref().map(|fault| fault.what.clone())
     }
 
-    /// The first position with a value of a wrong kind: what is not decided before it is not judged.
-    pub(crate) fn spoilt_at(&self) -> Option<usize> {
-        self.fault.borrow().as_ref().map(|(position, _)| *position)
+    /// Where a value of a wrong kind was met with first: what is not decided before it is not judged.
+    pub(crate) fn spoilt(&self) -> Option<Fault> {
+        self.fault.borrow().clone()
     }
 
     /// Whether a formula without future operators holds at position `k`. Before position 0 only lookback gets.
@@ -169,6 +195,10 @@ impl<'a> Course<'a> {
     }
 
     fn occurrence(&self, event: usize, k: i64) -> Option<&Occurrence> {
+        let unclear = self.index(k).and_then(|i| self.unclear.get(i)?.iter().find(|(e, _)| *e == event));
+        if let Some((_, what)) = unclear {
+            self.remember(what.clone(), k);
+        }
         // Of several the last one's fields are seen.
         self.occurred.get(self.index(k)?)?.iter().rev().find(|o| o.event == event)
     }
@@ -265,8 +295,8 @@ impl<'a> Course<'a> {
     fn remember(&self, fault: String, k: i64) {
         let Ok(position) = usize::try_from(k) else { return };
         let mut first = self.fault.borrow_mut();
-        if first.as_ref().is_none_or(|(at, _)| position < *at) {
-            *first = Some((position, fault));
+        if first.as_ref().is_none_or(|known| position < known.position) {
+            *first = Some(Fault { position, before: None, what: fault });
         }
     }
 
@@ -282,7 +312,12 @@ impl<'a> Course<'a> {
         let own = self.own.borrow();
         let log = self.logs.get(machine).unwrap_or(&own);
         match self.instant(k) {
-            Some(instant) => log.state_at(instant.key()),
+            Some(instant) => {
+                if let Some(what) = log.is_lost_at(instant.key()) {
+                    self.remember(what.to_owned(), k);
+                }
+                log.state_at(instant.key())
+            }
             None => Some(self.piece.spec.machines[machine].initial),
         }
     }
@@ -466,6 +501,21 @@ fn occurring(
         all.extend(moved.into_iter().map(|event| Occurrence { event, values: Vec::new() }));
     }
     all
+}
+
+/// The events of an instant of which nobody can tell whether they occur.
+fn unclear_at(piece: &Piece<'_>, logs: &[MachineLog], instant: &Instant) -> Vec<(usize, String)> {
+    let mut all: Vec<(usize, String)> = piece.unclear[instant.from..instant.upto].iter().flatten().cloned().collect();
+    for (machine, log) in logs.iter().enumerate() {
+        let Some(what) = log.is_lost_at(instant.key()) else { continue };
+        let events = piece.spec.events.iter().enumerate().filter(|(_, e)| is_of_machine(&e.source, machine));
+        all.extend(events.map(|(event, _)| (event, what.to_owned())));
+    }
+    all
+}
+
+fn is_of_machine(source: &EventSource, machine: usize) -> bool {
+    matches!(source, EventSource::Entered { machine: m, .. } | EventSource::Left { machine: m, .. } if *m == machine)
 }
 
 /// Whether an event belongs to the slices of these values.

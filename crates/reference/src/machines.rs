@@ -14,6 +14,8 @@ pub(crate) struct MachineLog {
     moves: Vec<Move>,
     /// The positions at which it sampled, each with the number of samples seen by then.
     pub(crate) sampled: Vec<(i64, usize)>,
+    /// Since when nobody knows where it stands, for it met with a value of a wrong kind.
+    lost: Option<((Time, usize), String)>,
 }
 
 /// A move from one state to another; `None` is `undefined`.
@@ -27,6 +29,11 @@ impl MachineLog {
     /// The state after what happened up to this instant.
     pub(crate) fn state_at(&self, key: (Time, usize)) -> Option<usize> {
         self.moves.iter().rev().find(|m| m.key <= key).map_or(Some(self.initial), |m| m.to)
+    }
+
+    /// Why nobody knows where it stands at this instant.
+    pub(crate) fn is_lost_at(&self, key: (Time, usize)) -> Option<&str> {
+        self.lost.as_ref().filter(|(since, _)| *since <= key).map(|(_, what)| what.as_str())
     }
 
     /// The events `left` and `entered` of this instant.
@@ -135,6 +142,10 @@ pub(crate) fn run<'a>(piece: &'a Piece<'a>, machine: usize, logs: &'a [MachineLo
             entered = None;
         }
         let position = k as i64;
+        course.own.borrow_mut().lost = lost_at(&course, machine, k);
+        if course.own.borrow().lost.is_some() {
+            break;
+        }
         if !machine.sample.as_ref().is_none_or(|when| course.holds(when, position)) {
             continue;
         }
@@ -154,8 +165,12 @@ pub(crate) fn run<'a>(piece: &'a Piece<'a>, machine: usize, logs: &'a [MachineLo
             course.own.borrow_mut().sampled.push((position, instant.upto));
         }
     }
+    // What may have been a further position was none that it could have used.
+    if course.own.borrow().lost.is_none() {
+        course.own.borrow_mut().lost = lost_at(&course, machine, course.len());
+    }
     // At the end, a stay has been too long once time has gone beyond its limit.
-    let limit = overstayed(machine, state, entered);
+    let limit = overstayed(machine, state, entered).filter(|_| course.own.borrow().lost.is_none());
     match limit {
         Some(at) if at < piece.last => tally.fail_since(entered.unwrap_or(at), at),
         Some(_) => tally.open += 1,
@@ -165,6 +180,19 @@ pub(crate) fn run<'a>(piece: &'a Piece<'a>, machine: usize, logs: &'a [MachineLo
     let (starts, positions, fault) = (course.starts(), course.len(), course.fault());
     tally.episodes.sort_by_key(|e: &Episode| (e.failed, e.began));
     (course.own.into_inner(), Run { tally, starts, positions, fault, unmet })
+}
+
+/// Since when nobody knows where a machine stands, if that is so at position `k`, and why.
+fn lost_at(course: &Course<'_>, machine: &Machine, k: usize) -> Option<((Time, usize), String)> {
+    let position = k as i64;
+    let here = course.instant(position).map(|instant| instant.key());
+    if here.is_some() {
+        // All that it asks is computed, so that no value of a wrong kind goes unseen.
+        exprs(machine).into_iter().for_each(|e| _ = course.holds(e, position));
+        named_events(machine).into_iter().for_each(|event| _ = course.occurs(event, position));
+    }
+    let fault = course.spoilt().filter(|fault| fault.position <= k)?;
+    Some((fault.before.map(|time| (time, 0)).or(here)?, fault.what))
 }
 
 /// The current state after a sample: the first listed whose condition holds.

@@ -1,6 +1,6 @@
 //! The obligations of a property, when each is decided, and the episodes of those that fail (language reference, *Verdicts*).
 
-use crate::course::Course;
+use crate::course::{Course, Fault};
 use crate::future::{End, View};
 use crate::truth::Truth;
 use lapwing_check::checked::{Bound, Connective, Expr, Kind, Scope};
@@ -384,9 +384,10 @@ pub(crate) struct Judged {
 pub(crate) fn judge(course: &Course<'_>, formula: &Expr) -> Judged {
     course.compute_everything(formula);
     let mut moments = moments(course, formula);
-    let spoilt_at = course.spoilt_at();
+    let spoilt = course.spoilt();
     // From a value of a wrong kind on nothing is judged.
-    moments.retain(|m| spoilt_at.is_none_or(|position| m.seen <= position));
+    let sound = |m: &Moment, fault: &Fault| m.seen <= fault.position && fault.before.is_none_or(|time| m.at < time);
+    moments.retain(|m| spoilt.as_ref().is_none_or(|fault| sound(m, fault)));
     let obligations = of(course, formula);
     let fates: Vec<Fate> = obligations.iter().map(|o| course.fate(o, &moments)).collect();
     let count = |wanted: fn(&Fate) -> bool| fates.iter().filter(|f| wanted(f)).count();
@@ -397,7 +398,7 @@ pub(crate) fn judge(course: &Course<'_>, formula: &Expr) -> Judged {
         tally: Tally {
             met: count(|f| *f == Fate::Met),
             failed: count(|f| matches!(f, Fate::Failed(_))),
-            open: if spoilt_at.is_some() { 0 } else { count(|f| matches!(f, Fate::Open(_))) },
+            open: if spoilt.is_some() { 0 } else { count(|f| matches!(f, Fate::Open(_))) },
             episodes: episodes(course, &obligations, &fates),
         },
         unmet: open_and_false || nothing_came,

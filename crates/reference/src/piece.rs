@@ -6,7 +6,6 @@ use crate::trace::{Arrival, first_read};
 use crate::world::Tracked;
 use lapwing_check::checked::{self, Clock, EventSource, InputSource};
 use lapwing_stream::{Time, Value};
-use std::collections::BTreeMap;
 
 /// A piece, looked at by every property and machine.
 pub(crate) struct Piece<'a> {
@@ -22,8 +21,8 @@ pub(crate) struct Piece<'a> {
     pub(crate) updated: Vec<Vec<usize>>,
     /// `occurrences[n]`: the events that sample `n` is.
     pub(crate) occurrences: Vec<Vec<Occurrence>>,
-    /// The events whose own condition met with a value of the wrong kind, and how.
-    pub(crate) event_faults: BTreeMap<usize, String>,
+    /// For each sample, the events whose own condition met with a value of the wrong kind, and how: nobody knows whether they occur.
+    pub(crate) unclear: Vec<Vec<(usize, String)>>,
 }
 
 /// An event that occurred, with its fields.
@@ -53,12 +52,12 @@ impl<'a> Piece<'a> {
         let last = samples.last().map_or(Time(0), |(time, _)| *time);
         let (latest, updated) = values(spec, &samples);
         let t0 = first_read(&samples);
-        let (occurrences, event_faults) = (Vec::new(), BTreeMap::new());
-        let mut piece = Piece { spec, t0, last, latest, updated, occurrences, event_faults, samples };
+        let (occurrences, unclear) = (Vec::new(), Vec::new());
+        let mut piece = Piece { spec, t0, last, latest, updated, occurrences, unclear, samples };
         for n in 0..piece.samples.len() {
             let (occurrences, faults) = piece.occurrences_of(n);
             piece.occurrences.push(occurrences);
-            piece.event_faults.extend(faults);
+            piece.unclear.push(faults);
         }
         piece
     }

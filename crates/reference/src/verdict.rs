@@ -252,7 +252,7 @@ fn judge_formula(
         fault: course.fault().or_else(|| blind(world.piece, &needs, trace)),
         entered: vacuity::entries(&course, formula),
         instants: course.len(),
-        margin: margin::of(&course, formula).filter(|_| course.spoilt_at().is_none()),
+        margin: margin::of(&course, formula).filter(|_| course.spoilt().is_none()),
     })
 }
 
@@ -350,21 +350,19 @@ fn never_starts(reads: &[checked::Read], piece: &Piece<'_>) -> String {
     if missing.is_empty() { "the trace is too short to look so far back".into() } else { missing.join(", ") }
 }
 
-/// Why what has these needs cannot be trusted: silence for too long, something lost, an event's condition that cannot be told.
+/// Why what has these needs cannot be trusted: silence for too long, or something lost.
 fn blind(piece: &Piece<'_>, needs: &Needs<'_>, trace: &Trace) -> Option<String> {
     let spec = piece.spec;
-    let Sources { inputs, topics, events } = sources(spec, needs);
+    let Sources { inputs, topics } = sources(spec, needs);
     let stale = inputs.iter().find(|&&i| is_stale(piece, i)).map(|&i| format!("{} is stale", spec.inputs[i].label));
     let lost = trace.lost.iter().find(|(topic, _)| topics.contains(topic));
-    let fault = events.iter().find_map(|event| piece.event_faults.get(event));
-    stale.or_else(|| lost.map(|(_, why)| why.clone())).or_else(|| fault.cloned())
+    stale.or_else(|| lost.map(|(_, why)| why.clone()))
 }
 
-/// What something reads: the inputs, those with a default too, the topics, and the events.
+/// What something reads: the inputs, those with a default too, and the topics.
 struct Sources {
     inputs: Vec<usize>,
     topics: Vec<usize>,
-    events: Vec<usize>,
 }
 
 fn sources(spec: &Spec, needs: &Needs<'_>) -> Sources {
@@ -393,7 +391,7 @@ fn sources(spec: &Spec, needs: &Needs<'_>) -> Sources {
     inputs.sort_unstable();
     inputs.dedup();
     topics.extend(inputs.iter().flat_map(|&i| topics_of(spec, i)));
-    Sources { inputs, topics, events }
+    Sources { inputs, topics }
 }
 
 /// The topics from which an input has its values.

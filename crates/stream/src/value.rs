@@ -4,6 +4,8 @@ use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
+use serde::{Deserialize, Serialize};
+
 /// A name that many values share: that of a field.
 pub type Name = Arc<str>;
 
@@ -11,7 +13,7 @@ pub type Name = Arc<str>;
 ///
 /// [`Clone::clone_from`] reuses the buffers that the target already has, so that a value of the same shape is stored without
 /// allocating: the engine's promise rests on it.
-#[derive(Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Value {
     /// No value: an empty CSV cell, a field that the message lacks. What was there before stays.
     #[default]

@@ -254,7 +254,7 @@ fn statements() {
             "expected `:` after the object's name, but the line ends",
         ),
         ("model r:\n position /odom O.p\nx = 3", Code::Syntax, "", "a model ends with `;`"),
-        ("event e = message /t T.x", Code::Syntax, "T.x", "an event is a whole message, not a field of one"),
+        ("event e = message /t T.x", Code::Syntax, "x", "an event is a whole message, not a field of one"),
         ("event e = write X", Code::Syntax, "X", "expected a port, as in `LaserDriver.Laser`, found only one name"),
         ("machine m {\n a -> b c\n}", Code::Syntax, "c", "expected the end of the line, found `c`"),
         ("machine m {\n initial a\n initial b\n}", Code::Syntax, "initial", "a machine has one `initial` entry"),

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use lapwing_record::{
     Decoder, Dialect, Item, Library, Limits, MessageType, Options, Part, Path, TimeSource, Wanted, open,
 };
-use lapwing_stream::{Duration, Schema, Type};
+use lapwing_stream::{Duration, Name, Schema, Type};
 
 /// At most so many fields are asked for, and so many items read.
 const FIELDS: usize = 24;
@@ -52,23 +52,44 @@ fn options(by_header: bool) -> Options {
     Options { time, reorder: Duration::from_nanos(1_000_000), limits, ..Options::default() }
 }
 
-/// Reads all topics of a file that begins with `magic`, whatever the data begins with.
+/// How a file is read: all its bytes decide, so that every way is tried.
+#[derive(Clone, Copy)]
+struct Choice(u8);
+
+impl Choice {
+    fn of(bytes: &[u8]) -> Choice {
+        Choice(bytes.iter().fold(0, |all, byte| all.rotate_left(1) ^ byte))
+    }
+
+    fn is(self, bit: u32) -> bool {
+        self.0 >> bit & 1 == 1
+    }
+}
+
+/// Reads topics of a file that begins with `magic`, whatever the data begins with: all of them, or every other one, which leaves the rest
+/// to the index; rows with all their values, or with those that are named.
 fn recording(magic: &[u8], data: &[u8]) {
     let mut bytes = magic.to_vec();
     bytes.extend(data.get(magic.len()..).unwrap_or_default());
     let file = Scratch::new(&bytes);
-    let options = options(bytes.last().is_some_and(|b| b & 1 == 1));
+    let choice = Choice::of(&bytes);
+    let options = options(choice.is(0));
     let most = options.limits.losses + 1;
     let Ok(recording) = open(&file.0, options) else { return };
-    let topics = recording.topics().iter();
-    let wanted: Vec<Wanted> =
-        topics.map(|t| Wanted { topic: t.name.clone(), fields: paths(t.schema.as_deref().ok()) }).collect();
-    let mut reader = recording.read(&wanted);
+    // A whole message of Protobuf cannot be had: what asks for it would decode nothing.
+    let whole = usize::from(choice.is(1));
+    let topics = recording.topics().iter().skip(usize::from(choice.is(2))).step_by(1 + usize::from(choice.is(2)));
+    let wanted: Vec<Wanted> = topics
+        .map(|t| Wanted { topic: t.name.clone(), fields: paths(t.schema.as_deref().ok()).split_off(whole) })
+        .collect();
+    let signals: Vec<Name> = recording.columns().iter().step_by(2).chain(recording.columns().first()).cloned().collect();
+    let mut reader = if choice.is(3) { recording.read_signals(&wanted, &signals) } else { recording.read(&wanted) };
     for _ in 0..ITEMS {
         match reader.next() {
             Some(Ok(Item::Message { wanted: Some(topic), values, .. })) => {
                 assert_eq!(values.len(), wanted[topic].fields.len())
             }
+            Some(Ok(Item::Row { cells, .. })) if choice.is(3) => assert_eq!(cells.names(), signals),
             Some(Ok(_)) => {}
             Some(Err(_)) | None => break,
         }

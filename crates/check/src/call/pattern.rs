@@ -14,8 +14,11 @@ impl Cx<'_> {
     pub(super) fn expand(&mut self, env: &Env, name: &Ident, args: &[ast::Expr], written: Span) -> Term {
         let span = env.place(written);
         let names = self.names;
-        let Some(pattern) = names.pattern(&name.name) else { return Term::poison(span) };
-        if names.patterns.get(name.name.as_str()).is_some_and(|&item| self.graph.is_cyclic(item)) {
+        let (Some(&item), Some(pattern)) = (names.patterns.get(name.name.as_str()), names.pattern(&name.name)) else {
+            return Term::poison(span);
+        };
+        self.expanded.insert(item);
+        if self.graph.is_cyclic(item) {
             self.found.failed = true;
             self.found.blame(format!("the pattern `{}` uses itself", name.name));
             return Term::poison(span);

@@ -68,7 +68,8 @@ fn topic_number(cx: &mut Cx, env: &Env, arg: &ast::Expr) -> Option<usize> {
 /// The topic that an argument names: itself, by a parameter, or by a signal that is declared on it.
 fn topic_named(cx: &mut Cx, env: &Env, arg: &ast::Expr) -> Option<ast::Topic> {
     match &arg.kind {
-        ExprKind::Topic(topic) => return Some(topic.clone()),
+        ExprKind::Topic(topic) => return cx.without_holes(env, topic),
+        _ if env.is_open(arg) => return None,
         ExprKind::Path(idents) if idents.len() == 1 => {
             let name = idents[0].name.as_str();
             if let Some((_, bound)) = env.params.iter().find(|(param, _)| *param == name) {
@@ -87,4 +88,29 @@ fn topic_named(cx: &mut Cx, env: &Env, arg: &ast::Expr) -> Option<ast::Topic> {
         .help(format!("a topic begins with a slash: `/{text}`"));
     cx.report(env, diagnostic);
     None
+}
+
+impl Cx<'_> {
+    /// A topic in which nothing is left open; reported where a `{r}` stands for nothing.
+    pub fn without_holes(&mut self, env: &Env, topic: &ast::Topic) -> Option<ast::Topic> {
+        let is_known = |hole: &str| env.topics.iter().any(|name| name == hole);
+        let Some(hole) = holes(&topic.name).find(|hole| !is_known(hole)) else { return Some(topic.clone()) };
+        let message = format!("`{{{hole}}}` stands for nothing here");
+        let mut diagnostic = Diagnostic::new(Code::UnknownName, topic.span, message);
+        diagnostic = match env.slices.iter().any(|name| name == hole) {
+            true => diagnostic
+                .label("its values are known only while the monitor runs")
+                .help("a topic can be chosen by `for each … in topics` and by a list, `for each … in (a, b)`"),
+            false => diagnostic
+                .label(format!("no `for each {hole} in …` around it"))
+                .help(format!("write `for each {hole} in topics {}: …` in front of the formula", topic.absolute())),
+        };
+        self.report(env, diagnostic);
+        None
+    }
+}
+
+/// What stands in the curly brackets of a topic.
+fn holes(topic: &str) -> impl Iterator<Item = &str> {
+    topic.split('{').skip(1).filter_map(|rest| rest.split_once('}')).map(|(hole, _)| hole)
 }

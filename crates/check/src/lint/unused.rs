@@ -25,6 +25,8 @@ pub(super) fn check(cx: &mut Cx) {
             ItemKind::Event(_) => {
                 ("event", "remove the line, or list the event after `over` where it should count as an instant")
             }
+            // What has no property at all is a file for others to use.
+            ItemKind::Pattern(_) if cx.spec.properties.is_empty() => continue,
             ItemKind::Pattern(_) => ("pattern", "remove it, or call it"),
             ItemKind::Definition(d) if d.each.is_empty() && !cx.graph.is_temporal(index) => (
                 "name",

@@ -31,7 +31,10 @@ impl Cx<'_> {
             (None, None) => return None,
         };
         let span = env.place(written);
-        let (_, state) = self.argument(env, state);
+        let (place, state) = self.argument(env, state);
+        if place.is_open(state) {
+            return Some(poison(span));
+        }
         let ExprKind::Path(idents) = &state.kind else {
             let message = "a state diagram is compared with one of its states, by name";
             self.report(env, Diagnostic::new(Code::Misplaced, state.span, message).label("no state"));
@@ -69,7 +72,7 @@ impl Cx<'_> {
     }
 
     /// The expression that a parameter stands for, and the place where it means something; any other stands for itself.
-    fn argument<'x>(&self, env: &Env<'x>, expr: &'x ast::Expr) -> (Env<'x>, &'x ast::Expr) {
+    pub fn argument<'x>(&self, env: &Env<'x>, expr: &'x ast::Expr) -> (Env<'x>, &'x ast::Expr) {
         let (mut env, mut expr) = (env.clone(), expr);
         while let ExprKind::Path(idents) = &expr.kind
             && let [name] = idents.as_slice()
@@ -97,6 +100,9 @@ impl Cx<'_> {
 pub(crate) fn entered_or_left(cx: &mut Cx, env: &Env, call: &Call) -> Option<Term> {
     let [arg] = call.args else { return None };
     let (place, arg) = cx.argument(env, arg);
+    if place.is_open(arg) {
+        return Some(Term::poison(call.span));
+    }
     let ExprKind::Path(idents) = &arg.kind else { return None };
     let [machine, state] = idents.as_slice() else { return None };
     let Some(index) = cx.machine_named(&place, machine) else {

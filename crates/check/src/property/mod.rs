@@ -6,7 +6,7 @@ mod text;
 
 use lapwing_diag::{Code, Diagnostic, Span};
 use lapwing_stream::Type;
-use lapwing_syntax::ast::{self, ForEach, Ident, ItemKind};
+use lapwing_syntax::ast::{self, EachSet, ForEach, Ident, ItemKind};
 
 use crate::checked::{Body, EventField, EventSource, Expr, Kind, Property, Slice, Step};
 use crate::context::{Cx, Env, Found};
@@ -89,7 +89,9 @@ fn build(cx: &mut Cx, item: usize, judged: &Judged) {
 
 fn instance_of(cx: &mut Cx, item: usize, judged: &Judged, all: &Instances, instance: &Instance, blank: Property) {
     let names: Vec<String> = all.slices.iter().map(|(name, ..)| name.clone()).collect();
-    let env = Env { slices: &names, ..Env::default() };
+    // Without a trace the formula is read once, for all topics.
+    let topics: Vec<String> = judged.each.iter().filter(|e| is_open(cx, e)).map(|e| e.var.name.clone()).collect();
+    let env = Env { slices: &names, topics: &topics, ..Env::default() };
     let body = instance.formula(judged.body);
     if cx.graph.is_cyclic(item) {
         cx.found = Found { causes: vec!["it is defined by itself".to_owned()], failed: true };
@@ -115,6 +117,11 @@ fn instance_of(cx: &mut Cx, item: usize, judged: &Judged, all: &Instances, insta
         slices,
         ..blank
     });
+}
+
+/// Whether a quantifier's variable still stands for any topic.
+fn is_open(cx: &Cx, each: &ForEach) -> bool {
+    cx.trace.is_none() && matches!(each.set, EachSet::Topics(_))
 }
 
 /// A name that no property has yet: two bare formulas may stand on one line.

@@ -22,7 +22,8 @@ pub fn check_with(text: &str, trace: Option<&TraceShape>, files: &[(&str, &str)]
     let file = sources.add("test.rv", text);
     let parsed = lapwing_syntax::parse(file, text);
     let resolve = |path: &str| files.iter().find(|(name, _)| *name == path).map(|(_, text)| (*text).to_owned());
-    let loaded = load(&mut sources, parsed.file, &resolve);
+    let mut loaded = load(&mut sources, parsed.file, &resolve);
+    loaded.define(&shapes::Common);
     let checked = check(&sources, &loaded, trace);
     Spec { sources, parse: parsed.diagnostics, checked }
 }

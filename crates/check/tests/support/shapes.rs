@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use lapwing_check::{TraceShape, TraceTopic};
+use lapwing_check::{MessageTypes, TraceShape, TraceTopic};
 use lapwing_stream::{Constant, Field, Schema, Type, Value};
 
 /// A message type.
@@ -64,6 +64,36 @@ fn battery() -> Arc<Schema> {
             .clone(),
         constants: constants.into_iter().map(constant).collect(),
     })
+}
+
+/// The message types that are known without a trace.
+pub struct Common;
+
+impl MessageTypes for Common {
+    fn names(&self) -> Vec<String> {
+        let names = ["geometry_msgs/Twist", "std_msgs/Bool", "std_srvs/SetBool_Request", "std_srvs/Trigger_Request"];
+        [
+            "geometry_msgs/Vector3",
+            "std_msgs/Empty",
+            "std_srvs/Empty_Request",
+            "other_msgs/Bool",
+            "sensor_msgs/BatteryState",
+        ]
+        .iter()
+        .chain(&names)
+        .map(|n| (*n).to_owned())
+        .collect()
+    }
+
+    fn schema(&self, name: &str) -> Option<Arc<Schema>> {
+        Some(match name {
+            "geometry_msgs/Twist" => twist(),
+            "sensor_msgs/BatteryState" => battery(),
+            "std_msgs/Bool" | "std_srvs/SetBool_Request" | "other_msgs/Bool" => message(name, &[("data", Type::Bool)]),
+            "std_srvs/Trigger_Request" => message(name, &[]),
+            _ => return None,
+        })
+    }
 }
 
 /// A mobile robot as ROS shows it.

@@ -3,11 +3,13 @@
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
+use serde::{Deserialize, Serialize};
+
 use super::{Decided, Operand, Pass};
 use crate::times::Pos;
 
 /// Undecided positions that fare alike.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Run {
     from: Pos,
     to: Pos,
@@ -17,7 +19,7 @@ struct Run {
 }
 
 /// The undecided positions.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct State {
     open: VecDeque<Run>,
 }

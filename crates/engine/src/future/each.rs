@@ -6,13 +6,15 @@
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
+use serde::{Deserialize, Serialize};
+
 use super::{Decided, Moment, Operand, Pass};
 use crate::program::Bit;
 use crate::runs::Runs;
 use crate::times::Pos;
 
 /// Positions not found false, and the X's at which the body is unknown.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct State {
     open: Runs,
     /// `(from, x)`: the body at `x` matters to `from..=x`; increasing in `x`.

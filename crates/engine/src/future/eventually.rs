@@ -6,13 +6,15 @@
 
 use alloc::vec::Vec;
 
+use serde::{Deserialize, Serialize};
+
 use super::{Decided, Moment, Operand, Pass, ends};
 use crate::program::Bound;
 use crate::runs::Runs;
 use crate::times::{Pos, Times};
 
 /// The undecided positions, and where the operand is unknown.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct State {
     open: Runs,
     unknown: Runs,

@@ -2,11 +2,13 @@
 
 use alloc::vec::Vec;
 
+use serde::{Deserialize, Serialize};
+
 use super::{Decided, Moment, Operand, Pass};
 use crate::runs::Runs;
 
 /// Positions found false that wait for X.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct State {
     failed: Runs,
 }

@@ -21,6 +21,8 @@ mod until;
 
 use alloc::vec::Vec;
 
+use serde::{Deserialize, Serialize};
+
 use crate::node::View;
 use crate::program::{Bound, Context, Future, FutureKind, FutureRef};
 use crate::times::{Pos, Times};
@@ -28,7 +30,7 @@ use crate::times::{Pos, Times};
 pub(crate) use segments::{Segment, step_segments};
 
 /// Positions that became known in this pass.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub(crate) struct Decided {
     pub from: Pos,
     pub to: Pos,
@@ -117,7 +119,7 @@ fn ends(bound: &Bound, stamp: i64) -> Option<(i64, bool)> {
 }
 
 /// The state of a node.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) enum FutureState {
     State,
     And(and::State),
@@ -234,7 +236,7 @@ impl Operand<'_> {
 }
 
 /// The states of all contexts and nodes of a group.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Graph {
     pub segments: Vec<Segment>,
     nodes: Vec<FutureState>,

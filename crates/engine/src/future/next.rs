@@ -2,12 +2,14 @@
 
 use alloc::vec::Vec;
 
+use serde::{Deserialize, Serialize};
+
 use super::{Decided, Operand, Pass};
 use crate::runs::Runs;
 use crate::times::Pos;
 
 /// The undecided positions.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct State {
     open: Runs,
 }

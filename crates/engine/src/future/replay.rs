@@ -9,6 +9,8 @@ use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 use core::cell::Cell;
 
+use serde::{Deserialize, Serialize};
+
 use super::{Decided, Moment, Pass};
 use crate::program::{Bound, Replay, Term};
 use crate::runs::Runs;
@@ -22,7 +24,7 @@ const MOST_STORED: usize = 1 << 16;
 const TOO_MANY: usize = usize::MAX >> 8;
 
 /// The stamps and the values of the state formulas at the positions from the oldest undecided one on.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct State {
     /// The position of the first stored value.
     first: Pos,

@@ -3,13 +3,15 @@
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
+use serde::{Deserialize, Serialize};
+
 use super::{Decided, Moment, Operand, Pass};
 use crate::program::Bit;
 use crate::runs::Runs;
 use crate::times::Pos;
 
 /// Positions that wait for an X, and positions that have theirs and wait for the body at it.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct AfterState {
     waiting: Runs,
     /// `(from, to, x)`, increasing.
@@ -61,7 +63,7 @@ pub(crate) fn step_after(
 }
 
 /// Positions whose body is unknown, and positions whose body is known and that wait for X.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct UntilState {
     unknown: Runs,
     waiting: Runs,

@@ -1,11 +1,13 @@
 //! The segments in which formulas stand: opened and closed by scopes, position by position.
 
+use serde::{Deserialize, Serialize};
+
 use crate::node::View;
 use crate::program::{Context, ContextKind};
 use crate::times::Pos;
 
 /// Where a context stands after a position.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Segment {
     /// Whether a segment is open: the position, if it closed none, belongs to it.
     pub open: bool,

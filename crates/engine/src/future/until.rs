@@ -2,13 +2,15 @@
 
 use alloc::vec::Vec;
 
+use serde::{Deserialize, Serialize};
+
 use super::{Decided, Moment, Pass, ends};
 use crate::program::{Bit, Bound};
 use crate::runs::Runs;
 use crate::times::{Pos, Times};
 
 /// The positions at and after which the left operand has held, and the right has not where they look.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct State {
     open: Runs,
 }

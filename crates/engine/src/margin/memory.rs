@@ -4,6 +4,7 @@ use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
 use lapwing_stream::Duration;
+use serde::{Deserialize, Serialize};
 
 use super::peak::Peak;
 use super::plan::Op;
@@ -12,7 +13,7 @@ use crate::node::{Val, View};
 use crate::program::{Bound, Compare, NodeId};
 
 /// What a step of the code remembers.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) enum Memory {
     None,
     /// The margin at the position before.

@@ -18,6 +18,8 @@ mod terms;
 
 use alloc::vec::Vec;
 
+use serde::{Deserialize, Serialize};
+
 use crate::node::{Notes, View};
 use memory::Memory;
 use plan::{Column, Plan};
@@ -37,7 +39,7 @@ fn opposite(margin: f64) -> f64 {
 }
 
 /// The margins of one instance of a group.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Margins {
     meters: Vec<Meter>,
     /// The stamps of all positions, where something is stored.
@@ -48,7 +50,7 @@ pub(crate) struct Margins {
 }
 
 /// The margin of one property so far.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Meter {
     registers: Vec<f64>,
     memories: Vec<Memory>,

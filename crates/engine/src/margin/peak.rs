@@ -2,8 +2,10 @@
 
 use alloc::collections::VecDeque;
 
+use serde::{Deserialize, Serialize};
+
 /// The values that may still become the greatest, each with its place, the greatest and oldest first. NaN is skipped.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Peak {
     queue: VecDeque<(i64, f64)>,
 }

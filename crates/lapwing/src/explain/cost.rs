@@ -1,8 +1,8 @@
 //! When a failure of a formula is known, and what has to be remembered for it.
 
-use lapwing_check::checked::{Bound, Connective, Expr, Kind, Scope};
+use lapwing_check::checked::{Bound, Clock, Connective, Expr, Kind, Scope, Window};
 use lapwing_check::compile::OPEN_LIMIT;
-use lapwing_stream::Duration;
+use lapwing_stream::{Duration, Time, Type, Value};
 
 /// When something is known, from the soonest to the latest.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
@@ -18,13 +18,29 @@ enum Known {
 }
 
 /// When a failure of a property is known, in words.
-pub(super) fn known(formula: &Expr) -> String {
-    match fails(formula, false) {
+pub(super) fn known(formula: &Expr, clock: Clock) -> String {
+    let known = match fails(formula, false) {
         Known::AtOnce => "at once".to_owned(),
         Known::Within(d) => format!("at the latest {d} after what fails began"),
         Known::Next => "at the next instant".to_owned(),
         Known::Closed => "at the latest when what it stands in is over".to_owned(),
         Known::Never => "only at the end: what has not happened may still happen (then it is `unmet`)".to_owned(),
+    };
+    match clock {
+        Clock::Events => known,
+        Clock::Rate(hz) => {
+            let period = Duration::from_nanos(1_000_000_000_u64.div_ceil(u64::from(hz.max(1))) as i64);
+            format!("{known}; what happens is seen up to {period} later, at the next of {hz} instants a second")
+        }
+    }
+}
+
+/// How long after it began a failure is known at the latest; `None` where nothing bounds that.
+pub(super) fn latency(formula: &Expr) -> Option<Duration> {
+    match fails(formula, false) {
+        Known::Within(d) => Some(d),
+        Known::AtOnce | Known::Next | Known::Never => Some(Duration::ZERO),
+        Known::Closed => None,
     }
 }
 
@@ -85,28 +101,57 @@ impl Known {
     }
 }
 
-/// What has to be remembered for a formula, in words.
-pub(super) fn memory(formula: &Expr) -> String {
+/// What has to be remembered for a formula beside its latest values, in words, with the bytes where they are known beforehand.
+pub(super) fn memory(formula: &Expr, clock: Clock) -> String {
     let mut parts = Vec::new();
-    gather(formula, &mut parts);
+    gather(formula, clock, &mut parts);
     if formula.has_future() && fails(formula, false) != Known::AtOnce {
-        parts.push(format!("open obligations as runs, at most {OPEN_LIMIT}"));
+        parts.push(format!("open obligations, neighbours that fare alike as one: at most {OPEN_LIMIT} of these"));
     }
     parts.dedup();
     match parts.is_empty() {
-        true => "constant".to_owned(),
+        true => "constant: nothing but the latest values".to_owned(),
         false => parts.join("; "),
     }
 }
 
-fn gather(e: &Expr, parts: &mut Vec<String>) {
+/// The bytes of a stamp, and of a number with its stamp.
+const STAMP: i64 = size_of::<Time>() as i64;
+const NUMBER: i64 = STAMP + size_of::<f64>() as i64;
+
+fn gather(e: &Expr, clock: Clock, parts: &mut Vec<String>) {
     match &e.kind {
-        Kind::Window(_, _, over) => parts.push(format!("the values of the last {over}")),
-        Kind::Frequency(_, over) => parts.push(format!("the stamps of the last {over}")),
-        Kind::Lookback(_, depth) => parts.push(format!("{depth} values back")),
+        Kind::Window(Window::Count, _, over) => parts.push(window("the stamps", *over, STAMP, clock)),
+        Kind::Window(_, _, over) => parts.push(window("the numbers", *over, NUMBER, clock)),
+        Kind::Frequency(_, over) => {
+            parts.push(format!("the stamps of the messages of the last {over}, {STAMP} bytes each"));
+        }
+        Kind::Lookback(of, depth) => {
+            let bytes = depth * size_of::<Value>();
+            let more =
+                if matches!(of.ty, Type::Num { .. } | Type::Bool) { "" } else { " and what texts and arrays take" };
+            parts.push(format!("{depth} values back: {bytes} bytes{more}"));
+        }
+        Kind::Once(bound, _) | Kind::Historically(bound, _) | Kind::Since(bound, ..) => {
+            // What begins where it stands needs the latest stamp alone.
+            if let (Some(hi), false) = (bound.hi, bound.lo.nanos() == 0 && bound.lo_closed) {
+                parts.push(window("the stamps", hi, STAMP, clock));
+            }
+        }
         _ => {}
     }
-    e.children().into_iter().for_each(|c| gather(c, parts));
+    e.children().into_iter().for_each(|c| gather(c, clock, parts));
+}
+
+/// What is kept of the instants of a window: of a rate it is known how many there are.
+fn window(what: &str, over: Duration, each: i64, clock: Clock) -> String {
+    match clock {
+        Clock::Events => format!("{what} of the instants of the last {over}, {each} bytes each"),
+        Clock::Rate(hz) => {
+            let count = i128::from(over.nanos()) * i128::from(hz) / 1_000_000_000 + 2;
+            format!("{what} of the last {over}: at most {count}, {} bytes", count * i128::from(each))
+        }
+    }
 }
 
 #[cfg(test)]
@@ -123,7 +168,7 @@ mod tests {
 
     #[test]
     fn failures_are_known_at_once_at_a_deadline_when_a_scope_closes_or_never() {
-        assert_eq!(costs("never p"), ("at once".into(), "constant".into()));
+        assert_eq!(costs("never p"), ("at once".into(), "constant: nothing but the latest values".into()));
         let within = costs("whenever p, eventually within 2 s q");
         assert_eq!(within.0, "at the latest 2 s after what fails began");
         assert_eq!(
@@ -132,5 +177,19 @@ mod tests {
         );
         assert_eq!(costs("after_until p, q, eventually p").0, "at the latest when what it stands in is over");
         assert_eq!(costs("after p, never q").0, "at once");
+    }
+
+    #[test]
+    fn a_rate_bounds_what_a_window_takes_and_delays_what_is_seen() {
+        let text = "__rate__ = 10\nevent p\nnever p and count(p, 2 s) > 3\n";
+        let spec = Spec::parse("t.rv", text, &|_| None).unwrap();
+        let explained = explain(&spec, None, &Default::default(), lapwing_diag::Style::Plain).unwrap();
+        let property = &explained.properties[0];
+        assert_eq!(property.memory, "the stamps of the last 2 s: at most 22, 176 bytes");
+        assert!(property.known.starts_with("at once; what happens is seen up to 100 ms later"), "{}", property.known);
+        assert_eq!(
+            costs("never @{p, -3}").1,
+            format!("3 values back: {} bytes", 3 * size_of::<lapwing_stream::Value>())
+        );
     }
 }

@@ -122,7 +122,7 @@ impl Printer<'_> {
 
     /// A part of a connective, which binds less tightly than comparisons.
     fn part(&self, e: &Expr) -> String {
-        if matches!(e.kind, Kind::Compare { .. }) { self.print(e) } else { self.inner(e) }
+        if matches!(e.kind, Kind::Compare { .. } | Kind::Not(_)) { self.print(e) } else { self.inner(e) }
     }
 
     /// An operand of a comparison, which binds less tightly than sums.
@@ -157,7 +157,8 @@ impl Printer<'_> {
     }
 }
 
-fn bound(b: &Bound) -> String {
+/// A time bound as it is written, with a blank before it.
+pub(super) fn bound(b: &Bound) -> String {
     let (open, close) = (if b.lo_closed { '[' } else { '(' }, if b.hi_closed { ']' } else { ')' });
     match b.hi {
         None => String::new(),
@@ -175,7 +176,8 @@ fn arith(op: Arith) -> char {
     }
 }
 
-fn compare(op: Compare) -> &'static str {
+/// A comparison as it is written.
+pub(crate) fn compare(op: Compare) -> &'static str {
     match op {
         Compare::Eq => "==",
         Compare::Ne => "!=",

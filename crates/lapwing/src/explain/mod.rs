@@ -9,16 +9,16 @@ use std::path::Path;
 
 use lapwing_check::checked::{self, Body, InputSource, ObjectSource, ReadOf};
 use lapwing_diag::{Style, render};
-use lapwing_record::OpenError;
-use lapwing_stream::Type;
+use lapwing_record::{OpenError, TopicInfo};
+use lapwing_stream::{Duration, Type};
 
 use crate::account;
 use crate::session::Options;
 use crate::shape;
 use crate::spec::Spec;
-use formula::Printer;
+pub(crate) use formula::{Printer, compare};
 
-pub use picture::{dot, mermaid};
+pub use picture::Picture;
 
 /// What a specification means, needs and costs.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,18 +60,30 @@ pub struct Explained {
 
 /// Explains a specification, with the types of a recording where there is one.
 pub fn explain(spec: &Spec, trace: Option<&Path>, options: &Options, style: Style) -> Result<Explanation, OpenError> {
-    let Some(trace) = trace else { return Ok(explanation(spec, &spec.alone().spec, Vec::new())) };
+    let Some(trace) = trace else { return Ok(explanation(spec, &spec.alone().spec, Vec::new(), &[])) };
     let recording = lapwing_record::open(trace, options.recording.clone())?;
     let checked = spec.against(&shape::of(&recording));
     let findings =
         checked.beyond(&spec.findings().diagnostics).map(|d| render(&spec.findings().sources, d, style)).collect();
-    Ok(explanation(spec, &checked.spec, findings))
+    Ok(explanation(spec, &checked.spec, findings, recording.topics()))
 }
 
-fn explanation(spec: &Spec, meaning: &checked::Spec, findings: Vec<String>) -> Explanation {
+/// Draws a specification, with the instances that a recording has where there is one. `None` where there is nothing to draw.
+pub fn draw(
+    spec: &Spec,
+    trace: Option<&Path>,
+    options: &Options,
+    picture: Picture,
+) -> Result<Option<String>, OpenError> {
+    let Some(trace) = trace else { return Ok(picture::draw(spec, &spec.alone().spec, picture)) };
+    let recording = lapwing_record::open(trace, options.recording.clone())?;
+    Ok(picture::draw(spec, &spec.against(&shape::of(&recording)).spec, picture))
+}
+
+fn explanation(spec: &Spec, meaning: &checked::Spec, findings: Vec<String>, recorded: &[TopicInfo]) -> Explanation {
     Explanation {
         clock: clock(meaning),
-        topics: meaning.topics.iter().map(topic).collect(),
+        topics: meaning.topics.iter().enumerate().map(|(number, t)| topic(meaning, number, t, recorded)).collect(),
         properties: meaning.properties.iter().map(|p| explained(spec, meaning, p)).collect(),
         findings,
     }
@@ -88,13 +100,20 @@ fn clock(meaning: &checked::Spec) -> String {
     }
 }
 
-fn topic(topic: &checked::Topic) -> String {
+/// A topic: its type, how much of it is recorded, and the fields that are read with their types.
+fn topic(meaning: &checked::Spec, number: usize, topic: &checked::Topic, recorded: &[TopicInfo]) -> String {
     let ty = topic.type_name.as_ref().map(|t| format!(" {t}")).unwrap_or_default();
-    let fields: Vec<String> = topic.fields.iter().map(path).collect();
-    match fields.is_empty() {
-        true => format!("{}{ty}", topic.name),
-        false => format!("{}{ty}: {}", topic.name, fields.join(", ")),
-    }
+    let is_same = |t: &&TopicInfo| t.name.trim_start_matches('/') == topic.name.trim_start_matches('/');
+    let messages = recorded.iter().filter(is_same).filter_map(|t| t.messages).reduce(|a, b| a + b);
+    let messages = messages.map(|n| format!(" ({n} messages)")).unwrap_or_default();
+    let field = |(field, way): (usize, &checked::Path)| {
+        let source = InputSource::Field { topic: number, field };
+        let ty = meaning.inputs.iter().find(|i| i.source == source).map(|i| kind(&i.ty)).unwrap_or_default();
+        format!("{}{}", path(way), ty.replacen(": ", ", ", 1))
+    };
+    let fields: Vec<String> = topic.fields.iter().enumerate().map(field).collect();
+    let fields = if fields.is_empty() { String::new() } else { format!(": {}", fields.join("; ")) };
+    format!("{}{ty}{messages}{fields}", topic.name)
 }
 
 fn path(path: &checked::Path) -> String {
@@ -112,9 +131,11 @@ fn path(path: &checked::Path) -> String {
 fn explained(spec: &Spec, meaning: &checked::Spec, property: &checked::Property) -> Explained {
     let printer = Printer { spec, meaning };
     let (words, formula, cost) = match &property.body {
-        Body::Formula(formula) => {
-            (words::of(&printer, formula), printer.judged(formula), (cost::known(formula), cost::memory(formula)))
-        }
+        Body::Formula(formula) => (
+            words::of(&printer, formula),
+            printer.judged(formula),
+            (cost::known(formula, meaning.clock), cost::memory(formula, meaning.clock)),
+        ),
         Body::Machine(machine) => {
             let (words, formula) = words::of_machine(meaning, *machine);
             (words, formula, ("at once".to_owned(), "the current state".to_owned()))
@@ -132,6 +153,23 @@ fn explained(spec: &Spec, meaning: &checked::Spec, property: &checked::Property)
         memory: cost.1,
         reactions: account::reactions(meaning, &property.name),
         problem: property.problem.clone(),
+    }
+}
+
+/// How long after it began a failure of a property is known at the latest; `None` where nothing bounds that.
+pub(crate) fn latency(property: &checked::Property) -> Option<Duration> {
+    match &property.body {
+        Body::Formula(formula) => cost::latency(formula),
+        Body::Machine(_) | Body::None => Some(Duration::ZERO),
+    }
+}
+
+/// What a property means, in words.
+pub(crate) fn meant(spec: &Spec, meaning: &checked::Spec, property: &checked::Property) -> String {
+    match &property.body {
+        Body::Formula(formula) => words::of(&Printer { spec, meaning }, formula),
+        Body::Machine(machine) => words::of_machine(meaning, *machine).0,
+        Body::None => String::new(),
     }
 }
 

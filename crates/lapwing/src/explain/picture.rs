@@ -1,69 +1,94 @@
-//! State diagrams as pictures: Graphviz and Mermaid.
+//! Specifications as pictures: state diagrams, and which obligations a property puts when.
 
-use std::fmt::Write;
+mod dot;
+mod layout;
+mod machine;
+mod mermaid;
+mod obligations;
+mod svg;
 
-use lapwing_check::checked::{Machine, Spec as Meaning};
+use lapwing_check::checked::{Body, Spec as Meaning};
 
 use super::formula::Printer;
 use crate::spec::Spec;
 
-/// All state diagrams of a specification for Graphviz; `None` where there is none.
-pub fn dot(spec: &Spec) -> Option<String> {
-    let meaning = &spec.alone().spec;
-    let machines = meaning.machines.iter().enumerate().map(|(number, machine)| {
-        let mut out = format!("  subgraph \"cluster_{number}\" {{\n    label={:?};\n", machine.name);
-        let id = |state: usize| format!("\"{number}.{state}\"");
-        for (state, s) in machine.states.iter().enumerate() {
-            let border = if state == machine.initial { ", peripheries=2" } else { "" };
-            let _ = writeln!(out, "    {} [label={:?}{border}];", id(state), s.name);
-        }
-        for edge in labelled(spec, meaning, machine) {
-            let _ = writeln!(out, "    {} -> {} [label={:?}];", id(edge.from), id(edge.to), edge.label);
-        }
-        out + "  }\n"
-    });
-    let body: String = machines.collect();
-    (!body.is_empty()).then(|| format!("digraph {{\n{body}}}\n"))
+/// A kind of picture.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Picture {
+    /// For Graphviz.
+    Dot,
+    /// For Mermaid.
+    Mermaid,
+    /// To be looked at as it is.
+    Svg,
 }
 
-/// All state diagrams of a specification for Mermaid; `None` where there is none.
-pub fn mermaid(spec: &Spec) -> Option<String> {
-    let meaning = &spec.alone().spec;
-    let mut out = String::from("stateDiagram-v2\n");
-    for machine in &meaning.machines {
-        let id =
-            |state: usize| format!("{}_{}", machine.name, machine.states.get(state).map_or("", |s| s.name.as_str()));
-        let _ = writeln!(out, "  state {} {{", machine.name);
-        for (state, s) in machine.states.iter().enumerate() {
-            let _ = writeln!(out, "    {} : {}", id(state), s.name);
-        }
-        let _ = writeln!(out, "    [*] --> {}", id(machine.initial));
-        for edge in labelled(spec, meaning, machine) {
-            let label = if edge.label.is_empty() { String::new() } else { format!(" : {}", edge.label) };
-            let _ = writeln!(out, "    {} --> {}{label}", id(edge.from), id(edge.to));
-        }
-        out += "  }\n";
-    }
-    (!meaning.machines.is_empty()).then_some(out)
+/// The pictures of a specification: one for each property. `None` where it has none.
+pub(super) fn draw(spec: &Spec, meaning: &Meaning, picture: Picture) -> Option<String> {
+    let printer = Printer { spec, meaning };
+    let graph = |property: &lapwing_check::checked::Property| match &property.body {
+        Body::Machine(number) => machine::graph(&printer, meaning.machines.get(*number)?),
+        Body::Formula(formula) => Some(obligations::graph(&printer, &property.name, formula)),
+        Body::None => None,
+    };
+    let graphs: Vec<Graph> = meaning.properties.iter().filter_map(graph).collect();
+    let text = match picture {
+        Picture::Dot => dot::document(&graphs),
+        Picture::Mermaid => mermaid::document(&graphs),
+        Picture::Svg => svg::document(spec.name(), &graphs),
+    };
+    (!graphs.is_empty()).then_some(text)
 }
 
-/// An edge and what it says.
-struct Labelled {
+/// Something with nodes and arrows, before it is drawn.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Graph {
+    title: String,
+    /// Whether it is a state diagram.
+    is_machine: bool,
+    nodes: Vec<Node>,
+    edges: Vec<Edge>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Node {
+    label: String,
+    shape: Shape,
+}
+
+/// What a node is, and so how it looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Shape {
+    /// A state of a machine.
+    State,
+    /// The one that it begins in.
+    Initial,
+    /// When obligations arise.
+    When,
+    /// An operator.
+    Operator,
+    /// What is true or false at an instant.
+    Condition,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Edge {
     from: usize,
     to: usize,
     label: String,
 }
 
-/// The edges of a machine, each with its event and condition, else with those that enter the state that it leads to.
-fn labelled(spec: &Spec, meaning: &Meaning, machine: &Machine) -> Vec<Labelled> {
-    let printer = Printer { spec, meaning };
-    let event = |number: usize| meaning.events.get(number).map(|e| e.name.clone());
-    let edges = machine.edges.iter().map(|edge| {
-        let target = machine.states.get(edge.to);
-        let on = edge.on.or(target.and_then(|s| s.on)).and_then(event);
-        let when = edge.when.as_ref().or(target.and_then(|s| s.when.as_ref())).map(|w| printer.print(w));
-        let parts: Vec<String> = on.into_iter().chain(when).collect();
-        Labelled { from: edge.from, to: edge.to, label: parts.join(" when ") }
-    });
-    edges.collect()
+impl Graph {
+    /// Adds a node. Gives its number.
+    fn node(&mut self, shape: Shape, label: impl Into<String>) -> usize {
+        self.nodes.push(Node { label: label.into(), shape });
+        self.nodes.len() - 1
+    }
+
+    /// Adds a node below another.
+    fn below(&mut self, parent: usize, arrow: &str, shape: Shape, label: impl Into<String>) -> usize {
+        let node = self.node(shape, label);
+        self.edges.push(Edge { from: parent, to: node, label: arrow.to_owned() });
+        node
+    }
 }

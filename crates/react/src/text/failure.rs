@@ -1,10 +1,10 @@
 //! What failed: the property, the values when it failed, when, what led to it, how often, and what to look at.
 
-use lapwing_stream::{Time, Verdict};
+use lapwing_stream::{Time, Value, Verdict};
 
 use super::paint::Paint;
 use super::table::table;
-use crate::report::{Property, Reading, Report, Violation};
+use crate::report::{Property, Reading, Report, Role, Violation};
 use crate::shown::{Origin, count, seconds, value};
 
 /// So many further episodes are listed.
@@ -45,9 +45,9 @@ fn violated(property: &Property, first: &Violation, origin: Origin, paint: Paint
         out += &format!("{}\n{}", paint.heading("Failing state:"), readings(values));
     }
     out += &format!("{}\n", when(first, origin));
-    let history = table(first.values.as_deref().unwrap_or_default(), &first.history, origin);
+    let history = table(first, origin);
     if !history.is_empty() {
-        out += &format!("{}\n{history}", paint.heading("Before it failed:"));
+        out += &format!("{}\n{history}", paint.heading("What led to it:"));
     }
     out + &how_often(property, origin)
 }
@@ -102,8 +102,14 @@ fn stretch(from: Time, until: Time, origin: Origin) -> String {
     }
 }
 
+/// Values, each on a line, then the conditions that are known.
 fn readings(values: &[Reading]) -> String {
-    values.iter().map(|r| format!("  {}: {}\n", r.name, value(&r.value))).collect()
+    let is_told = |r: &&Reading| match r.role {
+        Role::Value => true,
+        Role::Part => false,
+        Role::Condition => r.value != Value::Missing,
+    };
+    values.iter().filter(is_told).map(|r| format!("  {}: {}\n", r.name, value(&r.value))).collect()
 }
 
 fn indented(text: &str) -> String {

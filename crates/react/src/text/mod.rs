@@ -10,7 +10,7 @@ use lapwing_stream::Verdict;
 use crate::report::{Property, Report, Topic};
 use crate::shown::{Origin, count, margin, seconds};
 use crate::tally::Tally;
-use paint::Paint;
+pub(crate) use paint::Paint;
 
 /// A share of messages that no instant saw, beyond which it is worth a word.
 const UNSEEN: f64 = 0.1;
@@ -33,8 +33,8 @@ pub(crate) fn report(report: &Report, style: Style) -> String {
     out
 }
 
-/// Everything about one property that is not well.
-pub(crate) fn explanation(report: &Report, property: &Property, style: Style) -> String {
+/// Everything about one property that is not well, as text.
+pub fn explanation(report: &Report, property: &Property, style: Style) -> String {
     failure::explanation(report, property, Paint(style))
 }
 
@@ -134,7 +134,7 @@ fn verdict(report: &Report, property: &Property, width: usize, paint: Paint) -> 
 }
 
 /// What a verdict rests on, in a few words.
-fn details(property: &Property, origin: Origin) -> String {
+pub fn details(property: &Property, origin: Origin) -> String {
     let obligations = property.obligations;
     let mut parts = match property.verdict {
         Verdict::Violated => {

@@ -3,7 +3,7 @@
 use lapwing_stream::{Name, Schema, Type, Value};
 
 use super::DecodeError;
-use super::run::{list_of, nums_of, record_of, set_text};
+use super::run::{list_of, nums_of, record_of, set_bool, set_number, set_text};
 use super::scan::{Kind, Scanner};
 use super::tree::Tree;
 use crate::path::aliases;
@@ -135,8 +135,8 @@ pub(crate) fn value(scanner: &mut Scanner<'_>, budget: &mut usize, into: &mut Va
             scanner.null()?;
             *into = Value::Missing;
         }
-        Kind::Bool => *into = Value::Bool(scanner.bool()?),
-        Kind::Number => *into = Value::Num(scanner.number()?),
+        Kind::Bool => set_bool(into, scanner.bool()?),
+        Kind::Number => set_number(into, scanner.number()?),
         Kind::Text => set_text(into, &scanner.text()?),
         Kind::Array => array(scanner, budget, into)?,
         Kind::Object => object(scanner, budget, into)?,

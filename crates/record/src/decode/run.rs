@@ -108,8 +108,8 @@ fn over<W: Wire>(count: usize, body: &Body, cursor: &mut Cursor<'_, W>) -> Run {
 
 fn read<W: Wire>(shape: &Shape, cursor: &mut Cursor<'_, W>, into: &mut Value) -> Run {
     match shape {
-        Shape::Bool => *into = Value::Bool(cursor.num(crate::definition::Prim::Bool)? != 0.0),
-        Shape::Num(prim) => *into = Value::Num(cursor.num(*prim)?),
+        Shape::Bool => set_bool(into, cursor.num(crate::definition::Prim::Bool)? != 0.0),
+        Shape::Num(prim) => set_number(into, cursor.num(*prim)?),
         Shape::Text => set_text(into, &String::from_utf8_lossy(cursor.text()?)),
         Shape::WideText => read_wide(cursor, into)?,
         Shape::Nums(count, prim) => {
@@ -187,10 +187,28 @@ pub(super) fn text_of(value: &mut Value) -> &mut String {
 }
 
 /// Overwrites a value by a text.
-pub(super) fn set_text(value: &mut Value, text: &str) {
+pub(crate) fn set_text(value: &mut Value, text: &str) {
     let into = text_of(value);
     into.clear();
     into.push_str(text);
+}
+
+/// Overwrites a value by a number. PERF: what a field holds stays of one kind, and then there is nothing to drop.
+#[inline]
+pub(crate) fn set_number(value: &mut Value, number: f64) {
+    match value {
+        Value::Num(old) => *old = number,
+        other => *other = Value::Num(number),
+    }
+}
+
+/// Overwrites a value by a truth value, as [`set_number`] does.
+#[inline]
+pub(crate) fn set_bool(value: &mut Value, truth: bool) {
+    match value {
+        Value::Bool(old) => *old = truth,
+        other => *other = Value::Bool(truth),
+    }
 }
 
 /// The numbers in a value, made an array of numbers where it was none.

@@ -5,6 +5,7 @@
 use std::borrow::Cow;
 
 use super::DecodeError;
+use crate::decimal::Plain;
 
 type Scan<T> = Result<T, DecodeError>;
 
@@ -104,10 +105,7 @@ impl<'a> Scanner<'a> {
     pub fn digits(&mut self) -> Scan<&'a [u8]> {
         self.kind()?;
         let rest = &self.text[self.at..];
-        let end = rest
-            .iter()
-            .position(|b| !matches!(b, b'0'..=b'9' | b'-' | b'+' | b'.' | b'e' | b'E'))
-            .unwrap_or(rest.len());
+        let end = rest.iter().position(|b| !is_of_number(b)).unwrap_or(rest.len());
         self.at += end;
         Ok(&rest[..end])
     }
@@ -117,6 +115,13 @@ impl<'a> Scanner<'a> {
         let rest = &self.text[self.at..];
         if matches!(rest, [b'N' | b'I', ..] | [b'-', b'I', ..]) {
             return self.named_number();
+        }
+        // PERF: what recorders write nearly always.
+        if let Some(plain) = Plain::at(self.text, self.at).filter(|p| !self.text.get(p.end).is_some_and(is_of_number))
+            && let Some(number) = plain.number()
+        {
+            self.at = plain.end;
+            return Ok(number);
         }
         let start = self.at;
         let digits = self.digits()?;
@@ -250,7 +255,7 @@ impl<'a> Scanner<'a> {
         match self.kind()? {
             Kind::Null => self.null(),
             Kind::Bool => self.bool().map(drop),
-            Kind::Number => self.skip_number(),
+            Kind::Number => self.number().map(drop),
             Kind::Text => self.skip_text(),
             Kind::Array => {
                 self.open(b'[')?;
@@ -273,25 +278,18 @@ impl<'a> Scanner<'a> {
         }
     }
 
-    /// Over a text; whether its escapes exist is not looked at.
+    /// Over a text.
     fn skip_text(&mut self) -> Scan<()> {
         self.expect(b'"')?;
         while let Some(found) = memchr::memchr2(b'"', b'\\', &self.text[self.at..]) {
-            self.at += found + 1;
-            if self.text[self.at - 1] == b'"' {
+            self.at += found;
+            if self.text[self.at] == b'"' {
+                self.at += 1;
                 return Ok(());
             }
-            // Over what is escaped.
-            self.at = (self.at + 1).min(self.text.len());
+            self.escape()?;
         }
         self.error("a text is not closed")
-    }
-
-    fn skip_number(&mut self) -> Scan<()> {
-        match self.text.get(self.at..self.at + 2) {
-            Some([b'N' | b'I', _] | [b'-', b'I']) => self.number().map(drop),
-            _ => self.digits().map(drop),
-        }
     }
 
     /// The bytes of the next value, as they stand there.
@@ -301,6 +299,11 @@ impl<'a> Scanner<'a> {
         self.skip()?;
         Ok(&self.text[start..self.at])
     }
+}
+
+/// Whether a number may have that byte.
+fn is_of_number(byte: &u8) -> bool {
+    matches!(byte, b'0'..=b'9' | b'-' | b'+' | b'.' | b'e' | b'E')
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //!
 //! ROS 1 shapes are not here (its `std_msgs/Header` has one field more): ROS 1 recordings always carry their own.
 
-use super::{Definition, DefinitionError, Dialect, parse};
+use super::{Base, Definition, DefinitionError, Dialect, parse};
 
 /// One text per package: many definitions, each after a line `MSG: pkg/Type`.
 const PACKAGES: &[(&str, &str)] = &[
@@ -26,6 +26,37 @@ const PACKAGES: &[(&str, &str)] = &[
 pub(super) fn definition(name: &str) -> Result<Option<Definition>, DefinitionError> {
     let Some(text) = text(name) else { return Ok(None) };
     Ok(parse(Dialect::Ros2, name, text)?.into_iter().next())
+}
+
+/// What stands between two definitions of a text, as ROS's own tools write it.
+const RULER: &str = "================================================================================\n";
+
+/// The bundled definition of that full name, and after it those of all messages in it: what a recorder writes beside the messages.
+pub fn text_with_parts(name: &str) -> Option<String> {
+    let mut whole = text(name)?.to_owned();
+    let (mut known, mut next) = (vec![name.to_owned()], 0);
+    while let Some(current) = known.get(next).cloned() {
+        next += 1;
+        for part in parts(&current) {
+            if !known.contains(&part) {
+                whole.push_str(&format!("{RULER}MSG: {part}\n{}", text(&part)?));
+                known.push(part);
+            }
+        }
+    }
+    Some(whole)
+}
+
+/// The messages that the fields of a bundled one are.
+fn parts(name: &str) -> Vec<String> {
+    let fields = definition(name).ok().flatten().map(|d| d.fields).unwrap_or_default();
+    let part = |base| if let Base::Message(name) = base { Some(name) } else { None };
+    fields.into_iter().filter_map(|f| part(f.ty.base)).collect()
+}
+
+/// The full names of all bundled definitions.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    PACKAGES.iter().flat_map(|(_, all)| sections(all)).map(|(name, _)| name)
 }
 
 fn text(name: &str) -> Option<&'static str> {

@@ -349,6 +349,7 @@ impl Bag {
             ty: message_type(&said, &self.library),
             note: String::new(),
             messages: None,
+            declared: Some(Arc::new(said.declared())),
         });
         self.by_connection.insert(connection, self.channels.len() - 1);
     }

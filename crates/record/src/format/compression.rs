@@ -64,7 +64,7 @@ impl Decompressor {
 }
 
 /// As much of `data` as can be decompressed, up to `limit` bytes. What was got before an error is kept.
-pub(crate) fn part(how: Compression, data: &[u8], limit: u64, out: &mut Vec<u8>) -> io::Result<()> {
+pub(crate) fn part(how: Compression, data: impl Read, limit: u64, out: &mut Vec<u8>) -> io::Result<()> {
     out.clear();
     match how {
         Compression::None => pour(data, limit, out),

@@ -1,26 +1,34 @@
 //! CSV: a header of column names, then rows, each at its time.
 //!
 //! Own code rather than the `csv` crate: a quote that is never closed costs one line here and not the rest of the file,
-//! a line has a limit, and a row is split and read in one pass.
+//! a line has a limit, and a row is split and read in one pass, of which only the wanted columns are kept.
 
-use std::borrow::Cow;
+mod cells;
+mod plan;
+mod quick;
 
 use lapwing_stream::{Name, Time, Value};
 
 use super::lines::{Line, Lines};
+use super::signals::Signals;
 use super::{Channel, Head, Source};
+use crate::cells::Cells;
 use crate::decimal;
 use crate::error::{Losses, OpenError, Place, ReadError};
 use crate::options::Limits;
+use plan::{Column, Plan};
 
 /// A file of rows.
 pub(crate) struct Csv {
     lines: Lines,
-    /// One per column but that of the time.
-    columns: Vec<Name>,
-    cells: Vec<(Name, Value)>,
     /// The column of the time, and the decimal places that its unit has in nanoseconds.
     time: (usize, i64),
+    /// One per column but that of the time.
+    columns: Vec<Name>,
+    plan: Plan,
+    /// What is read of a row: all columns, unless some were chosen.
+    signals: Signals,
+    values: Vec<Value>,
 }
 
 impl Csv {
@@ -34,7 +42,7 @@ impl Csv {
             }
         };
         let damaged = |what: String| OpenError::Damaged { at: lines.place(0), what };
-        let header = header.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&header);
+        let header = &*header;
         let names = names(header).ok_or_else(|| damaged("a quote in the header is not closed".to_owned()))?;
         let time = time_column(&names).ok_or_else(|| damaged(no_time(header)))?;
         if names.len() > limits.names {
@@ -48,37 +56,53 @@ impl Csv {
         }
         columns
             .extend(names.iter().enumerate().filter(|(k, _)| *k != time.0).map(|(_, name)| Name::from(name.as_str())));
-        let cells = columns.iter().map(|name| (name.clone(), Value::Missing)).collect();
-        Ok(Csv { lines, columns, cells, time })
+        let signals = Signals::new(&columns);
+        Ok(Csv { lines, time, plan: Plan::new(&columns, time, &signals), values: signals.blank(), signals, columns })
     }
 
-    /// Reads a row into the cells; an error is a column, from 0, and what is wrong there.
+    /// Reads a row the quick way, where that is possible.
+    #[inline]
+    fn quick(&mut self) -> Option<Time> {
+        let (time, length) = quick::row(self.lines.ready(), &self.plan, &mut self.values)?;
+        self.lines.pass(length);
+        self.signals.copy(&mut self.values);
+        Some(time)
+    }
+
+    /// Reads a row whatever its cells are; an error is a column, from 0, and what is wrong there.
     fn row(&mut self, line: &std::ops::Range<usize>) -> Result<Time, (u64, String)> {
-        let text = self.lines.bytes(line);
         let mut time = None;
-        let (mut column, mut place) = (0, 0);
-        let mut cells = Cells { rest: Some(text), at: 0 };
+        let mut columns = self.plan.columns.iter();
+        let mut cells = cells::Cells::of(self.lines.bytes(line));
+        let mut count = 0;
         while let Some(cell) = cells.next() {
             let cell = cell.map_err(|at| (at, "a quote is not closed in its line".to_owned()))?;
-            column += 1;
-            if column == self.time.0 + 1 {
-                let nanos = decimal::scaled(cell.text.trim_ascii(), self.time.1).map_err(|e| {
-                    (cell.at, format!("the time `{}` {}", String::from_utf8_lossy(&cell.text), e.reason()))
-                })?;
-                time = Some(Time(nanos));
-            } else {
-                let Some((_, value)) = self.cells.get_mut(place) else { break };
-                set(value, &cell);
-                place += 1;
+            count += 1;
+            match columns.next() {
+                Some(Column::Time) => time = Some(stamp(&cell, self.plan.unit)?),
+                Some(Column::Value(slot)) => {
+                    if let Some(value) = self.values.get_mut(*slot) {
+                        cells::set(value, &cell.text, cell.quoted);
+                    }
+                }
+                Some(Column::Unread) => {}
+                None => break,
             }
         }
-        let wanted = self.columns.len() + 1;
-        if column != wanted {
-            let have = if column > wanted { "more".to_owned() } else { column.to_string() };
+        let wanted = self.plan.columns.len();
+        if count != wanted {
+            let have = if count > wanted { "more".to_owned() } else { count.to_string() };
             return Err((0, format!("the row has {have} cells where the header has {wanted}")));
         }
+        self.signals.copy(&mut self.values);
         time.ok_or((0, "the row has no time".to_owned()))
     }
+}
+
+fn stamp(cell: &cells::Cell<'_>, unit: i64) -> Result<Time, (u64, String)> {
+    let time = decimal::scaled(cell.text.trim_ascii(), unit);
+    let wrong = |e: decimal::DecimalError| format!("the time `{}` {}", String::from_utf8_lossy(&cell.text), e.reason());
+    time.map(Time).map_err(|e| (cell.at, wrong(e)))
 }
 
 /// The column of the time and its unit: `time_ns` rather than `time`.
@@ -96,96 +120,12 @@ fn no_time(header: &[u8]) -> String {
 
 /// The names in a header; `None` where a quote is not closed.
 pub(crate) fn names(header: &[u8]) -> Option<Vec<String>> {
-    let mut cells = Cells { rest: Some(header), at: 0 };
+    let mut cells = cells::Cells::of(header);
     let mut names = Vec::new();
     while let Some(cell) = cells.next() {
         names.push(String::from_utf8_lossy(cell.ok()?.text.trim_ascii()).into_owned());
     }
     Some(names)
-}
-
-/// The cells of a line.
-struct Cells<'a> {
-    /// What follows the last comma; `None` after the last cell.
-    rest: Option<&'a [u8]>,
-    /// The byte of the line at which that begins, from 1.
-    at: u64,
-}
-
-/// One cell.
-struct Cell<'a> {
-    text: Cow<'a, [u8]>,
-    quoted: bool,
-    /// The byte of the line at which it begins, from 1.
-    at: u64,
-}
-
-impl<'a> Cells<'a> {
-    /// The next cell; an error is where a quote begins that is not closed.
-    #[inline]
-    fn next(&mut self) -> Option<Result<Cell<'a>, u64>> {
-        let rest = self.rest?;
-        let at = self.at + 1;
-        if rest.first() == Some(&b'"') {
-            return Some(self.quoted(rest, at).ok_or(at));
-        }
-        let end = rest.iter().position(|b| *b == b',').unwrap_or(rest.len());
-        self.go_on(rest, end);
-        Some(Ok(Cell { text: Cow::Borrowed(rest[..end].trim_ascii()), quoted: false, at }))
-    }
-
-    /// Past the comma after `end`, or to the end of the line.
-    fn go_on(&mut self, rest: &'a [u8], end: usize) {
-        self.rest = rest.get(end + 1..);
-        self.at += end as u64 + 1;
-    }
-
-    /// A cell in quotes, in which two quotes stand for one.
-    fn quoted(&mut self, rest: &'a [u8], at: u64) -> Option<Cell<'a>> {
-        let mut text = Vec::new();
-        let mut from = 1;
-        loop {
-            let quote = from + memchr::memchr(b'"', &rest[from..])?;
-            text.extend_from_slice(&rest[from..quote]);
-            if rest.get(quote + 1) != Some(&b'"') {
-                let after = &rest[quote + 1..];
-                let end = quote + 1 + after.iter().position(|b| *b == b',').unwrap_or(after.len());
-                self.go_on(rest, end);
-                return Some(Cell { text: Cow::Owned(text), quoted: true, at });
-            }
-            text.push(b'"');
-            from = quote + 2;
-        }
-    }
-}
-
-/// Overwrites a value by a cell: nothing, a boolean, a number, or else a text. What is quoted is a text.
-fn set(value: &mut Value, cell: &Cell<'_>) {
-    let text = &*cell.text;
-    *value = match text {
-        b"" => Value::Missing,
-        b"true" if !cell.quoted => Value::Bool(true),
-        b"false" if !cell.quoted => Value::Bool(false),
-        _ => match number(text).filter(|_| !cell.quoted) {
-            Some(number) => Value::Num(number),
-            None => {
-                let text = String::from_utf8_lossy(text);
-                match value {
-                    Value::Str(old) => {
-                        old.clear();
-                        old.push_str(&text);
-                        return;
-                    }
-                    _ => Value::Str(text.into_owned()),
-                }
-            }
-        },
-    };
-}
-
-/// A number, also `nan`, `inf` and `infinity` in any case, with a sign or without.
-fn number(text: &[u8]) -> Option<f64> {
-    std::str::from_utf8(text).ok()?.parse().ok()
 }
 
 impl Source for Csv {
@@ -195,6 +135,9 @@ impl Source for Csv {
 
     fn advance(&mut self, losses: &mut Losses) -> Result<Option<(Time, Head)>, ReadError> {
         loop {
+            if let Some(time) = self.quick() {
+                return Ok(Some((time, Head::Row)));
+            }
             match self.lines.next()? {
                 Line::End => return Ok(None),
                 Line::TooLong => losses.add(self.place(), "the row is longer than Limits::line allows: it is lost"),
@@ -211,8 +154,14 @@ impl Source for Csv {
         Err("a row has no message".to_owned())
     }
 
-    fn cells(&self) -> &[(Name, Value)] {
-        &self.cells
+    fn choose(&mut self, signals: &[Name]) {
+        self.signals = Signals::new(signals);
+        self.plan = Plan::new(&self.columns, self.time, &self.signals);
+        self.values = self.signals.blank();
+    }
+
+    fn cells(&self) -> Cells<'_> {
+        Cells::new(self.signals.names(), &self.values)
     }
 
     fn columns(&self) -> &[Name] {

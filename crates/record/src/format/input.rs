@@ -60,6 +60,11 @@ impl Input {
         Ok(())
     }
 
+    /// The next bytes, so many and no more, as a stream.
+    pub fn part(&mut self, bytes: u64) -> impl Read {
+        Part { input: self, left: bytes }
+    }
+
     /// To that byte.
     pub fn seek(&mut self, to: u64) -> Result<(), ReadError> {
         let by = i128::from(to) - i128::from(self.at);
@@ -74,5 +79,21 @@ impl Input {
 
     fn error(&self, error: io::Error) -> ReadError {
         ReadError { at: self.place(self.at), error }
+    }
+}
+
+/// A part of a file, read through its position.
+struct Part<'i> {
+    input: &'i mut Input,
+    left: u64,
+}
+
+impl Read for Part<'_> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        let most = into.len().min(usize::try_from(self.left).unwrap_or(usize::MAX));
+        let read = self.input.file.read(&mut into[..most])?;
+        self.left -= read as u64;
+        self.input.at += read as u64;
+        Ok(read)
     }
 }

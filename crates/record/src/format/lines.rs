@@ -9,6 +9,9 @@ use crate::error::{Place, Position, ReadError};
 /// Bytes asked for at a time.
 const BUFFER: usize = 1 << 17;
 
+/// The mark that some programs write before a text in UTF-8.
+const MARK: &[u8] = "\u{feff}".as_bytes();
+
 /// Lines, numbered from 1.
 pub(crate) struct Lines {
     from: Box<dyn Read + Send>,
@@ -55,6 +58,20 @@ impl Lines {
         self.buffer.get(line.clone()).unwrap_or_default()
     }
 
+    /// What was read and not yet given away: any number of lines, and the beginning of one.
+    #[inline]
+    pub fn ready(&self) -> &[u8] {
+        self.buffer.get(self.ready.clone()).unwrap_or_default()
+    }
+
+    /// Gives the next line away, which takes so many bytes, its end included.
+    #[inline]
+    pub fn pass(&mut self, length: usize) {
+        self.ready.start = self.ready.end.min(self.ready.start + length);
+        self.number += 1;
+        self.done += length as u64;
+    }
+
     /// The next line. It may be looked at until the next call.
     pub fn next(&mut self) -> Result<Line, ReadError> {
         let mut looked = 0;
@@ -75,7 +92,7 @@ impl Lines {
         }
     }
 
-    /// Gives a line of that length away, with what ends it.
+    /// Gives a line of that length away, with what ends it; a mark in front of the first one is no part of it.
     fn give(&mut self, length: usize, end: usize) -> Range<usize> {
         let start = self.ready.start;
         self.ready.start += length + end;
@@ -84,6 +101,9 @@ impl Lines {
         let mut line = start..start + length;
         if self.buffer[line.clone()].ends_with(b"\r") {
             line.end -= 1;
+        }
+        if self.number == 1 && self.buffer[line.clone()].starts_with(MARK) {
+            line.start += MARK.len();
         }
         line
     }
@@ -153,7 +173,7 @@ mod tests {
 
     #[test]
     fn lines_come_whole_and_numbered() {
-        let text = b"a\r\n\nbcd\nlast".to_vec();
+        let text = "\u{feff}a\r\n\nbcd\nlast".as_bytes().to_vec();
         let mut lines = Lines::new(Box::new(Drip(io::Cursor::new(text))), Path::new("-"), 0, 100);
         let mut got = Vec::new();
         while let Line::Found(line) = lines.next().unwrap() {

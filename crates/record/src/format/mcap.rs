@@ -4,9 +4,13 @@
 //! leads on to the next one, the offset of every loss is known, a cut-off chunk gives what it still holds, and messages of
 //! unwanted topics outside of chunks are not read at all.
 //!
+//! Where the index of the file shows that nothing in a chunk is wanted, or nothing behind some place in it, it is read up to there
+//! alone ([`index`]).
+//!
 //! The checksum of a chunk is checked wherever the chunk is read whole. An uncompressed one of more than a MiB, which means
 //! large messages, is walked through instead, and of it only the wanted messages are read.
 
+mod index;
 mod record;
 mod summary;
 
@@ -20,12 +24,13 @@ use lapwing_stream::Time;
 use super::compression::{self, Compression, Decompressor};
 use super::fields::Fields;
 use super::input::Input;
-use super::types::{Said, message_type};
+use super::types::{Declared, Said, message_type};
 use super::{Channel, Head, Source, stamp};
 use crate::decode::MessageType;
 use crate::definition::{Library, normal_name};
 use crate::error::{Losses, OpenError, Place, ReadError};
 use crate::options::Limits;
+use index::Index;
 use record::{ChunkHeader, Op, SchemaRecord};
 
 /// The first and the last bytes of a file.
@@ -46,7 +51,7 @@ pub(crate) struct Mcap {
     library: Library,
     schemas: BTreeMap<u16, SchemaRecord>,
     /// Types already made, by schema and message encoding.
-    types: BTreeMap<(u16, String), Result<MessageType, String>>,
+    types: BTreeMap<(u16, String), Typed>,
     channels: Vec<Channel>,
     /// The index of a channel by its number in the file.
     by_id: Vec<u32>,
@@ -60,9 +65,15 @@ pub(crate) struct Mcap {
     current: Current,
     /// The end of the chunk that is walked through, and of what follows it in its record.
     walked: Option<(u64, u64)>,
+    /// Where the summary begins, if there is one and it lists all channels.
+    summary: Option<u64>,
+    index: Index,
     /// Whether no more messages follow.
     ended: bool,
 }
+
+/// How messages are decoded, or why they cannot be, and what the file says of their type.
+type Typed = (Result<MessageType, String>, Arc<Declared>);
 
 /// Where the current message is.
 enum Current {
@@ -93,6 +104,8 @@ impl Mcap {
             chunk_start: 0,
             current: Current::Nowhere,
             walked: None,
+            summary: None,
+            index: Index::default(),
             ended: false,
         };
         let found = mcap.learn().map_err(|e| OpenError::Io { path: shown.to_owned(), error: e.error });
@@ -112,6 +125,7 @@ impl Mcap {
         self.chunk_at = 0;
         self.current = Current::Nowhere;
         self.walked = None;
+        self.index.clear();
         self.ended = false;
         self.input.seek(MAGIC.len() as u64)
     }
@@ -158,6 +172,7 @@ impl Mcap {
                 continue;
             }
             let Some((channel, time)) = self.message_header(start..end, losses) else { continue };
+            self.index.count(channel);
             self.current = Current::Chunk(start + MESSAGE_HEADER..end);
             return Some((time, Head::Message(channel)));
         }
@@ -252,6 +267,7 @@ impl Mcap {
             return Ok(None);
         };
         self.chunk_start = start;
+        self.index.count(channel);
         self.current = Current::File(length - MESSAGE_HEADER as u64);
         Ok(Some((time, Head::Message(channel))))
     }
@@ -291,13 +307,14 @@ impl Mcap {
         if self.channel_of(declared.id).is_some() || self.channels.len() >= self.limits.names {
             return Some(());
         }
-        let key = (declared.schema, declared.encoding);
         let schema = self.schemas.get(&declared.schema);
+        let key = (declared.schema, declared.encoding);
         let library = &self.library;
-        let ty = self.types.entry(key).or_insert_with_key(|(_, messages)| {
+        let (ty, described) = self.types.entry(key).or_insert_with_key(|(_, messages)| {
             let (name, encoding, definition) =
                 schema.map_or(("", "", &[][..]), |s| (&*s.name, &*s.encoding, &*s.definition));
-            message_type(&Said { name, encoding, definition, messages }, library)
+            let said = Said { name, encoding, definition, messages };
+            (message_type(&said, library), Arc::new(said.declared()))
         });
         self.channels.push(Channel {
             topic: Arc::from(declared.topic),
@@ -305,6 +322,7 @@ impl Mcap {
             ty: ty.clone(),
             note: "the recording has no schema for it, or one that names no fields".to_owned(),
             messages: None,
+            declared: Some(described.clone()),
         });
         let id = usize::from(declared.id);
         if self.by_id.len() <= id {
@@ -321,6 +339,9 @@ impl Mcap {
         self.chunk_start = start;
         let there = length.min(self.input.left());
         let end = self.input.at() + there;
+        if self.read_in_part(start, length)? {
+            return Ok(());
+        }
         if there == length && length > WALKED && self.walk(length)? {
             return Ok(());
         }
@@ -424,15 +445,19 @@ impl Source for Mcap {
     }
 
     fn advance(&mut self, losses: &mut Losses) -> Result<Option<(Time, Head)>, ReadError> {
+        if self.index.is_due() {
+            self.find_chunks()?;
+        }
         if let Current::File(unread) = self.current {
             self.input.seek(self.input.at() + unread)?;
         }
         self.current = Current::Nowhere;
         loop {
-            if let Some(found) = self.next_in_chunk(losses) {
+            if let Some(found) = self.next_in_chunk(losses).or_else(|| self.index.next()) {
                 return Ok(Some(found));
             }
             if self.ended {
+                self.check_index(losses);
                 return Ok(None);
             }
             if let Some(found) = self.next_record(losses)? {
@@ -454,6 +479,10 @@ impl Source for Mcap {
             Current::Buffer => Ok(&self.packed),
             Current::File(_) | Current::Nowhere => Err("there is no message here".to_owned()),
         }
+    }
+
+    fn leave_out(&mut self, is_wanted: &dyn Fn(&Channel) -> bool) {
+        self.index = Index::new(&self.channels, is_wanted);
     }
 
     fn place(&self) -> Place {

@@ -1,170 +1,138 @@
 //! NDJSON: one object a line, which is a message, a row of values, or an event.
 
-use std::collections::BTreeMap;
-use std::ops::Range;
-use std::sync::Arc;
+mod chosen;
+mod form;
+mod named;
+mod topics;
 
-use lapwing_stream::{Name, Time, Value};
+use std::borrow::Cow;
+use std::ops::Range;
+
+use lapwing_stream::{Name, Time};
 
 use super::lines::{Line, Lines};
 use super::{Channel, Head, Source};
+use crate::cells::Cells;
 use crate::decimal;
-use crate::decode::{DecodeError, MessageType, json_value, scan::Scanner};
-use crate::definition::{Library, normal_name};
+use crate::decode::{DecodeError, scan::Scanner};
+use crate::definition::Library;
 use crate::error::{Losses, Place, ReadError};
 use crate::options::Limits;
+use chosen::Chosen;
+use named::Named;
+use topics::Topics;
 
 /// A stream of objects.
 pub(crate) struct Ndjson {
     lines: Lines,
-    library: Library,
     limits: Limits,
-    channels: Vec<Channel>,
-    by_name: BTreeMap<String, BTreeMap<String, usize>>,
-    cells: Vec<(Name, Value)>,
-    /// Names of values and fields met so far.
-    names: BTreeMap<String, Name>,
+    topics: Topics,
+    row: Row,
     event: String,
-    line: Range<usize>,
+    fields: Named,
+    /// Where the latest message is.
     message: Range<usize>,
+    /// What came last.
+    last: Head,
+    /// Names of values that are known before the reading.
+    names: Vec<Name>,
+}
+
+/// The values of the latest row.
+enum Row {
+    All(Named),
+    Chosen(Chosen),
+}
+
+impl Row {
+    fn cells(&self) -> Cells<'_> {
+        match self {
+            Row::All(named) => named.cells(),
+            Row::Chosen(chosen) => chosen.cells(),
+        }
+    }
+
+    fn fill(&mut self, scanner: &mut Scanner<'_>, limits: &Limits) -> Result<(), DecodeError> {
+        match self {
+            Row::All(named) => named.fill(scanner, limits, |_| true),
+            Row::Chosen(chosen) => chosen.fill(scanner, limits.elements),
+        }
+    }
 }
 
 impl Ndjson {
     pub fn new(lines: Lines, library: &Library, limits: &Limits) -> Ndjson {
         Ndjson {
             lines,
-            library: library.clone(),
             limits: limits.clone(),
-            channels: Vec::new(),
-            by_name: BTreeMap::new(),
-            cells: Vec::new(),
-            names: BTreeMap::new(),
+            topics: Topics::new(library, limits.names),
+            row: Row::All(Named::default()),
             event: String::new(),
-            line: 0..0,
+            fields: Named::default(),
             message: 0..0,
+            last: Head::Row,
+            names: Vec::new(),
         }
+    }
+
+    /// With the names of values that a look ahead has found.
+    pub fn with_names(self, names: Vec<Name>) -> Ndjson {
+        Ndjson { names, ..self }
+    }
+
+    /// Reads a row the quick way, where that is possible.
+    #[inline]
+    fn quick(&mut self) -> Option<Time> {
+        let Row::Chosen(chosen) = &mut self.row else { return None };
+        let (time, length) = chosen.quick(self.lines.ready())?;
+        self.lines.pass(length);
+        Some(time)
     }
 
     /// What a line holds.
     fn object(&mut self, line: &Range<usize>) -> Result<(Time, Head), DecodeError> {
-        self.line = line.clone();
-        let mut fill = Fill { cells: &mut self.cells, names: &mut self.names, limits: &self.limits };
-        let Parts { time, topic, ty, message, values, event } = Parts::of(self.lines.bytes(line), &mut fill)?;
+        let text = self.lines.bytes(line);
+        let Parts { time, topic, ty, message, values, event } = Parts::of(text, &mut self.row, &self.limits)?;
         let time =
             time.ok_or_else(|| DecodeError::new("the object has no time: write \"t\" in seconds or \"t_ns\""))?;
-        if let Some(name) = event {
-            self.event = name;
-            self.fields()?;
-            return Ok((time, Head::Event));
-        }
-        if values {
-            return Ok((time, Head::Row));
-        }
-        let (Some(topic), Some(message)) = (topic, message) else {
-            return Err(DecodeError::new(
-                "the object has neither \"topic\" and \"msg\", nor \"values\", nor \"event\"",
-            ));
-        };
-        let channel = self.channel(&topic, &ty)?;
-        self.message = line.start + message.start..line.start + message.end;
-        Ok((time, Head::Message(channel)))
-    }
-
-    /// The channel of a topic and a type, which may be empty.
-    fn channel(&mut self, topic: &str, ty: &str) -> Result<usize, DecodeError> {
-        if let Some(index) = self.by_name.get(topic).and_then(|types| types.get(ty)) {
-            return Ok(*index);
-        }
-        if self.channels.len() >= self.limits.names {
-            return Err(DecodeError::new("there are more topics than Limits::names allows"));
-        }
-        let (schema, note) = match ty {
-            "" => (None, "its lines say no \"type\"".to_owned()),
-            ty => match self.library.installed(ty) {
-                Ok(layout) => (Some(layout.schema().clone()), String::new()),
-                Err(error) => (None, error.to_string()),
-            },
-        };
-        self.channels.push(Channel {
-            topic: Arc::from(topic),
-            type_name: normal_name(ty),
-            ty: Ok(MessageType::Json(schema)),
-            note,
-            messages: None,
-        });
-        let index = self.channels.len() - 1;
-        self.by_name.entry(topic.to_owned()).or_default().insert(ty.to_owned(), index);
-        Ok(index)
-    }
-
-    /// All of an event's keys but its name and its time.
-    fn fields(&mut self) -> Result<(), DecodeError> {
-        let text = self.lines.bytes(&self.line);
-        let mut fill = Fill { cells: &mut self.cells, names: &mut self.names, limits: &self.limits };
-        fill.object(&mut Scanner::new(text), |key| !matches!(key, "t" | "t_ns" | "event"))
-    }
-}
-
-/// Fills cells from an object, reusing names and buffers.
-struct Fill<'a> {
-    cells: &'a mut Vec<(Name, Value)>,
-    names: &'a mut BTreeMap<String, Name>,
-    limits: &'a Limits,
-}
-
-impl Fill<'_> {
-    fn object(&mut self, scanner: &mut Scanner<'_>, wanted: impl Fn(&str) -> bool) -> Result<(), DecodeError> {
-        let mut budget = self.limits.elements;
-        let (mut first, mut count) = (true, 0);
-        scanner.open(b'{')?;
-        while scanner.more(b'}', &mut first)? {
-            let key = scanner.key()?;
-            if !wanted(&key) {
-                scanner.skip()?;
-                continue;
+        let head = if let Some(name) = event {
+            self.event.clear();
+            self.event.push_str(&name);
+            let is_field = |key: &str| !matches!(key, "t" | "t_ns" | "event");
+            self.fields.fill(&mut Scanner::new(text), &self.limits, is_field)?;
+            Head::Event
+        } else if values {
+            if let Row::Chosen(chosen) = &mut self.row {
+                chosen.learn(text);
             }
-            self.name(count, &key)?;
-            json_value(scanner, &mut budget, &mut self.cells[count].1)?;
-            count += 1;
-        }
-        self.cells.truncate(count);
-        Ok(())
-    }
-
-    /// Makes the cell at that place one of that name.
-    fn name(&mut self, at: usize, key: &str) -> Result<(), DecodeError> {
-        if self.cells.get(at).is_some_and(|(name, _)| **name == *key) {
-            return Ok(());
-        }
-        let name = match self.names.get(key) {
-            Some(name) => name.clone(),
-            None if self.names.len() >= self.limits.names => {
-                return Err(DecodeError::new("there are more names than Limits::names allows"));
-            }
-            None => self.names.entry(key.to_owned()).or_insert_with(|| Name::from(key)).clone(),
+            Head::Row
+        } else {
+            let (Some(topic), Some(message)) = (topic, message) else {
+                return Err(DecodeError::new(
+                    "the object has neither \"topic\" and \"msg\", nor \"values\", nor \"event\"",
+                ));
+            };
+            self.message = line.start + message.start..line.start + message.end;
+            Head::Message(self.topics.find(&topic, &ty)?)
         };
-        match self.cells.get_mut(at) {
-            Some(cell) => cell.0 = name,
-            None => self.cells.push((name, Value::Missing)),
-        }
-        Ok(())
+        Ok((time, head))
     }
 }
 
 /// The parts of a line, as far as they are there.
 #[derive(Default)]
-struct Parts {
+struct Parts<'t> {
     time: Option<Time>,
-    topic: Option<String>,
-    ty: String,
+    topic: Option<Cow<'t, str>>,
+    ty: Cow<'t, str>,
     message: Option<Range<usize>>,
-    /// Whether there are values; they are in the cells by then.
+    /// Whether there are values; they are in the row by then.
     values: bool,
-    event: Option<String>,
+    event: Option<Cow<'t, str>>,
 }
 
-impl Parts {
-    fn of(text: &[u8], cells: &mut Fill<'_>) -> Result<Parts, DecodeError> {
+impl<'t> Parts<'t> {
+    fn of(text: &'t [u8], row: &mut Row, limits: &Limits) -> Result<Parts<'t>, DecodeError> {
         let mut parts = Parts::default();
         let mut scanner = Scanner::new(text);
         let mut first = true;
@@ -173,12 +141,12 @@ impl Parts {
             match &*scanner.key()? {
                 "t" => parts.time = Some(time(&mut scanner, decimal::SECONDS)?),
                 "t_ns" => parts.time = Some(time(&mut scanner, decimal::NANOSECONDS)?),
-                "topic" => parts.topic = Some(scanner.text()?.into_owned()),
-                "type" if scanner.peek() == Some(b'"') => parts.ty = scanner.text()?.into_owned(),
-                "event" => parts.event = Some(scanner.text()?.into_owned()),
+                "topic" => parts.topic = Some(scanner.text()?),
+                "type" if scanner.peek() == Some(b'"') => parts.ty = scanner.text()?,
+                "event" => parts.event = Some(scanner.text()?),
                 "msg" => parts.message = Some(range(&mut scanner)?),
                 "values" => {
-                    cells.object(&mut scanner, |_| true)?;
+                    row.fill(&mut scanner, limits)?;
                     parts.values = true;
                 }
                 _ => scanner.skip()?,
@@ -203,17 +171,24 @@ fn time(scanner: &mut Scanner<'_>, unit: i64) -> Result<Time, DecodeError> {
 
 impl Source for Ndjson {
     fn channels(&self) -> &[Channel] {
-        &self.channels
+        self.topics.channels()
     }
 
     fn advance(&mut self, losses: &mut Losses) -> Result<Option<(Time, Head)>, ReadError> {
         loop {
+            if let Some(time) = self.quick() {
+                self.last = Head::Row;
+                return Ok(Some((time, Head::Row)));
+            }
             match self.lines.next()? {
                 Line::End => return Ok(None),
                 Line::TooLong => losses.add(self.place(), "the line is longer than Limits::line allows: it is lost"),
                 Line::Found(line) if self.lines.bytes(&line).trim_ascii().is_empty() => {}
                 Line::Found(line) => match self.object(&line) {
-                    Ok(found) => return Ok(Some(found)),
+                    Ok((time, head)) => {
+                        self.last = head;
+                        return Ok(Some((time, head)));
+                    }
                     Err(error) => losses.add(self.place(), format!("the line is lost: {error}")),
                 },
             }
@@ -224,8 +199,19 @@ impl Source for Ndjson {
         Ok(self.lines.bytes(&self.message))
     }
 
-    fn cells(&self) -> &[(Name, Value)] {
-        &self.cells
+    fn choose(&mut self, signals: &[Name]) {
+        self.row = Row::Chosen(Chosen::new(signals));
+    }
+
+    fn cells(&self) -> Cells<'_> {
+        match self.last {
+            Head::Event => self.fields.cells(),
+            _ => self.row.cells(),
+        }
+    }
+
+    fn columns(&self) -> &[Name] {
+        &self.names
     }
 
     fn event(&self) -> &str {

@@ -1,9 +1,10 @@
 //! rosbag2 folders: `metadata.yaml`, and files of one storage format that are read one after the other.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::fs;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use lapwing_stream::Time;
 use tempfile::TempPath;
@@ -35,6 +36,8 @@ pub(crate) struct Rosbag2 {
     unpacked: Vec<u8>,
     channels: Vec<Channel>,
     by_name: BTreeMap<(String, String), usize>,
+    /// The topics whose messages nobody looks at.
+    unwanted: BTreeSet<Arc<str>>,
     files: u64,
 }
 
@@ -45,6 +48,14 @@ pub(crate) struct Part {
     map: Vec<usize>,
     /// The decompressed copy, removed when the file is done.
     _copy: Option<TempPath>,
+}
+
+impl Part {
+    fn leave_out(&mut self, unwanted: &BTreeSet<Arc<str>>) {
+        if !unwanted.is_empty() {
+            self.source.leave_out(&|channel| !unwanted.contains(&channel.topic));
+        }
+    }
 }
 
 impl Rosbag2 {
@@ -73,6 +84,7 @@ impl Rosbag2 {
             unpacked: Vec::new(),
             channels: Vec::new(),
             by_name: BTreeMap::new(),
+            unwanted: BTreeSet::new(),
         };
         bag.learn(&metadata)?;
         Ok(bag)
@@ -130,7 +142,10 @@ impl Rosbag2 {
         loop {
             let path = self.waiting.pop_front()?;
             match open_part(&path, &self.library, &self.limits) {
-                Ok(part) => return Some(part),
+                Ok(mut part) => {
+                    part.leave_out(&self.unwanted);
+                    return Some(part);
+                }
                 Err(error) => {
                     losses.add(Place::new(&path, Position::Whole), format!("this file of the bag is lost: {error}"))
                 }
@@ -248,6 +263,16 @@ impl Source for Rosbag2 {
         Ok(&self.unpacked)
     }
 
+    fn leave_out(&mut self, is_wanted: &dyn Fn(&Channel) -> bool) {
+        let (wanted, unwanted): (Vec<&Channel>, Vec<&Channel>) = self.channels.iter().partition(|c| is_wanted(c));
+        self.unwanted = unwanted.into_iter().map(|channel| channel.topic.clone()).collect();
+        // One topic may have been recorded with two types.
+        wanted.iter().for_each(|channel| _ = self.unwanted.remove(&channel.topic));
+        if let Some(part) = &mut self.current {
+            part.leave_out(&self.unwanted);
+        }
+    }
+
     fn place(&self) -> Place {
         self.current.as_ref().map_or_else(|| Place::new(&self.folder, Position::Whole), |part| part.source.place())
     }
@@ -278,6 +303,7 @@ pub(crate) fn open_packed(path: &Path, library: &Library, limits: &Limits) -> Re
         unpacked: Vec::new(),
         channels: Vec::new(),
         by_name: BTreeMap::new(),
+        unwanted: BTreeSet::new(),
         files: 1,
     };
     let mut part = open_part(path, library, limits)?;

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use lapwing_stream::Time;
 use rusqlite::{Connection, OpenFlags, OptionalExtension};
 
-use super::types::{Said, message_type};
+use super::types::{Declared, Said, message_type};
 use super::{Channel, Head, Source};
 use crate::definition::{Library, normal_name};
 use crate::error::{Losses, OpenError, Place, Position, ReadError};
@@ -76,6 +76,7 @@ impl Sqlite {
         let definitions = self.definitions()?;
         let mut topics = self.db.prepare("SELECT id, name, type, serialization_format FROM topics ORDER BY id")?;
         let mut rows = topics.query([])?;
+        let mut declared: BTreeMap<(String, String), Arc<Declared>> = BTreeMap::new();
         while let Some(row) = rows.next()? {
             if self.channels.len() >= self.limits.names {
                 break;
@@ -91,6 +92,9 @@ impl Sqlite {
                 ty: message_type(&said, library),
                 note: String::new(),
                 messages: None,
+                declared: Some(
+                    declared.entry((name.clone(), format.clone())).or_insert_with(|| Arc::new(said.declared())).clone(),
+                ),
             });
         }
         drop(rows);

@@ -22,6 +22,27 @@ pub(crate) struct Said<'a> {
     pub messages: &'a str,
 }
 
+/// What a recording says of a type, to be kept.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Declared {
+    pub name: String,
+    pub encoding: String,
+    pub definition: Vec<u8>,
+    pub messages: String,
+}
+
+impl Said<'_> {
+    /// A copy that can be kept.
+    pub fn declared(&self) -> Declared {
+        Declared {
+            name: self.name.to_owned(),
+            encoding: self.encoding.to_owned(),
+            definition: self.definition.to_vec(),
+            messages: self.messages.to_owned(),
+        }
+    }
+}
+
 /// How messages of that type are decoded, or why they cannot be.
 pub(crate) fn message_type(said: &Said<'_>, library: &Library) -> Result<MessageType, String> {
     let name = normal_name(said.name);

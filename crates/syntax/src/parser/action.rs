@@ -1,6 +1,6 @@
 //! Reactions and guards, and the messages that they publish.
 
-use super::{Parse, Parser};
+use super::{Parse, Parser, Reported};
 use crate::ast::{Action, Guard, Ident, Literal, Reaction, Topic, TypePath};
 use crate::token::{Role, TokenKind};
 use crate::words;
@@ -79,11 +79,14 @@ impl Parser<'_> {
 
     /// `pkg/Type { … }`
     fn typed_message(&mut self) -> Parse<(TypePath, Literal)> {
-        let ty = self.type_path()?;
+        let whole = "a whole message is written out, not a field of one";
+        let ty = self.whole_type(whole, |_| "name the field inside the curly brackets: `{ field: … }`".to_owned())?;
         if self.cursor.kind() != TokenKind::OpenCurly {
             return self.expected("the message in curly brackets; `{}` is one with all fields zero");
         }
-        Ok((ty, self.nested(Self::literal)?))
+        let message = self.nested(Self::literal)?;
+        // What has been said of the type would be said again of the fields.
+        if ty.path.is_empty() { Ok((ty, message)) } else { Err(Reported(())) }
     }
 
     /// A message written out, or a value in it.

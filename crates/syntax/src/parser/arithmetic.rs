@@ -236,7 +236,7 @@ impl Parser<'_> {
         let start = self.cursor.position();
         match self.cursor.kind() {
             TokenKind::Slash => {
-                let topic = self.topic("a topic")?;
+                let topic = self.topic_template("a topic")?;
                 Ok(self.leaf(start, ExprKind::Topic(topic)))
             }
             TokenKind::Name | TokenKind::Quoted if self.cursor.ahead(1) == TokenKind::FatArrow => {

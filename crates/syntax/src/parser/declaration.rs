@@ -1,7 +1,7 @@
 //! Declarations: `decl`, `model`, `world`, `use`.
 
 use super::{Parse, Parser};
-use crate::ast::{Belief, Decl, Ident, Model, Topic, Use, World, WorldSource};
+use crate::ast::{Belief, Decl, Ident, Model, Topic, TypePath, Use, World, WorldSource};
 use crate::token::{Role, TokenKind};
 use crate::words;
 use lapwing_diag::{Code, Diagnostic, Span};
@@ -103,12 +103,18 @@ impl Parser<'_> {
     fn world_topics(&mut self) -> Parse<WorldSource> {
         self.cursor.bump(Role::Keyword);
         let topic = self.topic_template("a topic, as in `/{name}/gt`")?;
-        Ok(WorldSource::Topic { topic, ty: self.type_path()? })
+        Ok(WorldSource::Topic { topic, ty: self.world_type()? })
     }
 
     fn world_topic(&mut self) -> Parse<WorldSource> {
         let topic = self.topic("a topic, `topics` or `tf`")?;
-        Ok(WorldSource::Topic { topic, ty: self.type_path()? })
+        Ok(WorldSource::Topic { topic, ty: self.world_type()? })
+    }
+
+    fn world_type(&mut self) -> Parse<TypePath> {
+        self.whole_type("ground truth is a whole message, not a field of one", |_| {
+            "its pose and velocity are found by themselves; leave the field out".to_owned()
+        })
     }
 
     fn world_frames(&mut self) -> Parse<WorldSource> {

@@ -1,7 +1,7 @@
 //! `event NAME = …`
 
 use super::{Parse, Parser};
-use crate::ast::{ActivityPhase, EventDecl, EventSource, Ident, TypePath};
+use crate::ast::{ActivityPhase, EventDecl, EventSource, Ident, PathPart, TypePath};
 use crate::token::{Role, TokenKind};
 use crate::words;
 use lapwing_diag::{Code, Diagnostic};
@@ -52,19 +52,21 @@ impl Parser<'_> {
     fn message(&mut self) -> Parse<EventSource> {
         let topic = self.topic("a topic, as in `/scan`")?;
         let clause = matches!(self.cursor.word(), Some("when" | "below"));
-        let ty = if self.at_name() && !clause { Some(self.message_type()?) } else { None };
+        let ty = if self.at_name() && !clause { Some(self.event_type()?) } else { None };
         Ok(EventSource::Message(topic, ty))
     }
 
-    /// A type without a path into it: an event is a whole message.
-    fn message_type(&mut self) -> Parse<TypePath> {
-        let ty = self.type_path()?;
-        if !ty.path.is_empty() {
-            let message = "an event is a whole message, not a field of one";
-            let diagnostic = Diagnostic::new(Code::Syntax, ty.span, message);
-            self.report(diagnostic.help("a condition on its fields follows `when`"));
-        }
-        Ok(ty)
+    fn event_type(&mut self) -> Parse<TypePath> {
+        let name = |path: &[PathPart]| {
+            let parts = path.iter().map(|part| match part {
+                PathPart::Field(name) => format!(".{}", name.name),
+                PathPart::Index(index, _) => format!("[{index}]"),
+            });
+            parts.collect::<String>().trim_start_matches('.').to_owned()
+        };
+        self.whole_type("an event is a whole message, not a field of one", |path| {
+            format!("a condition on its fields follows the type: `when {}`", name(path))
+        })
     }
 
     /// `request /set_mode` is one half of a service, `request Component.Activity` asks a GenoM3 component for something.

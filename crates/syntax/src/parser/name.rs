@@ -139,6 +139,20 @@ impl Parser<'_> {
         Ok(TypePath { package, name, path, span: self.cursor.span_since(start) })
     }
 
+    /// A type without a way into it, which is reported; `message` says why there is none, and `help` what to do instead.
+    pub(super) fn whole_type(&mut self, message: &str, help: impl Fn(&[PathPart]) -> String) -> Parse<TypePath> {
+        let ty = self.type_path()?;
+        if let Some(first) = ty.path.first() {
+            let start = match first {
+                PathPart::Field(name) => name.span,
+                PathPart::Index(_, span) => *span,
+            };
+            let span = Span { start: start.start, ..ty.span };
+            self.report(Diagnostic::new(Code::Syntax, span, message).help(help(&ty.path)));
+        }
+        Ok(ty)
+    }
+
     /// What follows the first name of a type. ROS 2 puts the kind of the definition between package and name.
     fn package_and_name(&mut self, first: Ident) -> Parse<(Option<Ident>, Ident)> {
         if !self.type_slash() {

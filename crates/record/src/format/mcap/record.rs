@@ -10,6 +10,8 @@ pub(super) enum Op {
     Channel = 0x04,
     Message = 0x05,
     Chunk = 0x06,
+    MessageIndex = 0x07,
+    ChunkIndex = 0x08,
     Statistics = 0x0b,
     DataEnd = 0x0f,
 }
@@ -101,4 +103,41 @@ pub(super) fn statistics(body: &[u8]) -> Option<(u32, Vec<(u16, u64)>)> {
         counts.push((channel, count));
     }
     Some((channels, counts))
+}
+
+/// What the summary says of a chunk.
+pub(super) struct ChunkIndex {
+    /// Where its record stands in the file.
+    pub start: u64,
+    /// Those that it has messages of.
+    pub channels: Vec<u16>,
+    /// Whether it is not compressed.
+    pub is_plain: bool,
+    /// Bytes before compression.
+    pub size: u64,
+}
+
+pub(super) fn chunk_index(body: &[u8]) -> Option<ChunkIndex> {
+    let mut fields = Fields(body);
+    let (_first, _last) = (fields.u64()?, fields.u64()?);
+    let (start, _length) = (fields.u64()?, fields.u64()?);
+    let mut offsets = Fields(fields.counted()?);
+    let mut channels = Vec::new();
+    while let (Some(channel), Some(_offset)) = (offsets.u16(), offsets.u64()) {
+        channels.push(channel);
+    }
+    let (_index_length, compression, _packed, size) = (fields.u64()?, fields.counted()?, fields.u64()?, fields.u64()?);
+    Some(ChunkIndex { start, channels, is_plain: compression.is_empty(), size })
+}
+
+/// A channel, and the times and offsets of its messages in a chunk.
+pub(super) fn message_index(body: &[u8]) -> Option<(u16, Vec<(u64, u64)>)> {
+    let mut fields = Fields(body);
+    let channel = fields.u16()?;
+    let mut pairs = Fields(fields.counted()?);
+    let mut entries = Vec::new();
+    while let (Some(time), Some(offset)) = (pairs.u64(), pairs.u64()) {
+        entries.push((time, offset));
+    }
+    Some((channel, entries))
 }

@@ -12,6 +12,7 @@ impl Mcap {
     /// Reads the channels from the summary. False where there is none, or it does not list all channels.
     pub(super) fn read_summary(&mut self) -> Result<bool, ReadError> {
         let Some(start) = self.summary_start()? else { return Ok(false) };
+        self.summary = Some(start);
         self.input.seek(start)?;
         // Whatever is wrong here is found again, and noted, when the file is read.
         let mut losses = Losses::new(1);
@@ -31,13 +32,18 @@ impl Mcap {
                 self.declaration(op, start, length, &mut losses)?;
             }
         }
-        let Some((channels, counts)) = statistics else { return Ok(false) };
+        let Some((channels, counts)) = statistics else {
+            self.summary = None;
+            return Ok(false);
+        };
         for (id, count) in counts {
             if let Some(channel) = self.channel_of(id) {
                 self.channels[channel].messages = Some(count);
             }
         }
-        Ok(self.channels.len() as u64 >= u64::from(channels).min(self.limits.names as u64))
+        let is_whole = self.channels.len() as u64 >= u64::from(channels).min(self.limits.names as u64);
+        self.summary = self.summary.filter(|_| is_whole);
+        Ok(is_whole)
     }
 
     /// Where the summary begins, as the last bytes of the file say.

@@ -1,0 +1,26 @@
+//! A state diagram as a graph.
+
+use lapwing_check::checked::Machine;
+
+use super::super::formula::Printer;
+use super::{Edge, Graph, Shape};
+
+/// The graph of a machine: an arrow says by which event and under which condition, its own or that of the state it leads to.
+pub(super) fn graph(printer: &Printer<'_>, machine: &Machine) -> Option<Graph> {
+    let mut graph = Graph { title: machine.name.clone(), is_machine: true, ..Graph::default() };
+    for (number, state) in machine.states.iter().enumerate() {
+        let stay = [(state.at_least, "at least"), (state.at_most, "at most")];
+        let bounds = stay.iter().filter_map(|(bound, word)| bound.map(|d| format!("\n{word} {d}"))).collect::<String>();
+        let shape = if number == machine.initial { Shape::Initial } else { Shape::State };
+        graph.node(shape, format!("{}{bounds}", state.name));
+    }
+    let event = |number: usize| printer.meaning.events.get(number).map(|e| e.name.clone());
+    for edge in &machine.edges {
+        let target = machine.states.get(edge.to)?;
+        let on = edge.on.or(target.on).and_then(event).map(|name| format!("on {name}"));
+        let when = edge.when.as_ref().or(target.when.as_ref()).map(|w| printer.print(w));
+        let parts: Vec<String> = on.into_iter().chain(when).collect();
+        graph.edges.push(Edge { from: edge.from, to: edge.to, label: parts.join(" when ") });
+    }
+    Some(graph)
+}

@@ -1,0 +1,39 @@
+//! A run as a recording that is read while it happens: no file lies between the simulator and a monitor.
+
+use std::path::PathBuf;
+
+use lapwing_record::{MessageType, Messages, Options as Reading, Recording};
+use lapwing_stream::Time;
+
+use crate::message::layout;
+use crate::scenario::Scenario;
+use crate::simulation::{Options, Simulation};
+
+impl Messages for Simulation {
+    fn advance(&mut self) -> Option<(Time, usize)> {
+        Simulation::advance(self)
+    }
+
+    fn payload(&mut self) -> &[u8] {
+        Simulation::payload(self)
+    }
+
+    fn progress(&self) -> (u64, u64) {
+        Simulation::progress(self)
+    }
+}
+
+/// What a run of a scenario is called in reports: its name and its seed.
+pub fn run_name(scenario: &Scenario, seed: u64) -> PathBuf {
+    PathBuf::from(format!("{}#{seed}", scenario.name()))
+}
+
+/// A run, to be read as a recording is.
+pub fn recording(scenario: &Scenario, options: &Options) -> Recording {
+    let simulation = Simulation::new(scenario, options);
+    let typed = |topic: &crate::outbox::Topic| Some((topic.name.clone(), MessageType::Cdr(layout(topic.kind)?)));
+    let all = simulation.topics().iter().map(typed);
+    // Every type has a layout, which a test holds; the numbers of topics are their places here.
+    let topics = all.map(|topic| topic.unwrap_or_else(|| (String::new(), MessageType::Json(None)))).collect();
+    Recording::of(&run_name(scenario, options.seed), topics, Box::new(simulation), Reading::default())
+}
