@@ -10,6 +10,9 @@ use crate::dims::in_si;
 use crate::place::describe;
 use crate::term::Term;
 
+/// So far back `@{…}` may look: each instant is kept.
+const MOST_BACK: usize = 1_000_000;
+
 impl Cx<'_> {
     /// What an expression or formula means.
     pub fn lower(&mut self, env: &Env, expr: &ast::Expr) -> Term {
@@ -36,6 +39,12 @@ impl Cx<'_> {
             }
             ExprKind::Lookback(of, depth) => {
                 let of = self.lower(&env.inside("`@{…}`", expr.span), of);
+                if *depth > MOST_BACK {
+                    let message = format!("`@{{…}}` looks back {depth} instants; it may look back {MOST_BACK}");
+                    let help = "what is longer ago can be found by `once within …`, `max_over` and the like";
+                    self.report(env, Diagnostic::new(Code::TooLarge, expr.span, message).help(help));
+                    return Term::poison(span);
+                }
                 self.lookback(env, of, *depth, span)
             }
             ExprKind::Neg(of) => {

@@ -1,4 +1,4 @@
-//! `lapwing demo`: the built-in robots run, are recorded and are checked, and what they do wrong is found.
+//! `lapwing demo`: the built-in robots run, are recorded and are checked, and what they do wrong is found, told and drawn.
 
 use std::fs;
 use std::io::{self, Write};
@@ -6,12 +6,14 @@ use std::path::{Path, PathBuf};
 
 use lapwing::{Options, Report, Session, Spec};
 use lapwing_diag::Style;
+use lapwing_page::Entry;
 use lapwing_react::{Format, Tally, end, render};
 use lapwing_sim::Scenario;
 
 use crate::args::Demo;
 use crate::complain::{Complaint, styles};
 use crate::exit::Exit;
+use crate::page::Page;
 use crate::sim;
 
 /// A scenario in which something goes wrong, and the specification that finds it.
@@ -48,6 +50,8 @@ struct Played {
     spec: PathBuf,
     trace: PathBuf,
     report: Report,
+    /// What the page shows of it.
+    entry: Entry,
 }
 
 /// Runs the command. What it shows is violations, and showing them is what it is for: it succeeds.
@@ -55,6 +59,12 @@ pub fn run(demo: &Demo) -> Result<Exit, Complaint> {
     fs::create_dir_all(&demo.dir).map_err(|e| Complaint::new(format!("{}: {e}", demo.dir.display())))?;
     let played = SCENES.iter().map(|scene| play(scene, &demo.dir)).collect::<Result<Vec<Played>, Complaint>>()?;
     let text = told(&played, styles(demo.color).0) + &closing(&played);
+    let page = demo.dir.join("report.html");
+    let (said, is_there) = Page::create(&page)?.write(&played.into_iter().map(|p| p.entry).collect::<Vec<Entry>>());
+    if !is_there {
+        return Err(Complaint::rendered(said));
+    }
+    let text = format!("{text}\nThe whole story, with charts, to be opened in a browser: {}\n", page.display());
     // Where nobody reads it there is nothing to be done.
     drop(io::stdout().write_all(text.as_bytes()));
     Ok(Exit::Good)
@@ -70,9 +80,11 @@ fn play(scene: &'static Scene, folder: &Path) -> Result<Played, Complaint> {
     }
     sim::write(&scenario(scene)?, &options(scene)?, &trace)?;
     let specs = [Spec::load(&spec).map_err(|e| Complaint::rendered(format!("{e}\n")))?];
-    let session = Session::open(&specs, &trace, &Options::default()).map_err(|e| Complaint::new(e.to_string()))?;
-    let report = session.run(&mut ());
-    Ok(Played { scene, spec, trace, report })
+    let options = Options { history: Some(lapwing_page::points(SCENES.len())), margins: true, ..Options::default() };
+    let session = Session::open(&specs, &trace, &options).map_err(|e| Complaint::new(e.to_string()))?;
+    let (report, histories) = session.run_noting(&mut ());
+    let entry = lapwing_page::entry(&report, &histories);
+    Ok(Played { scene, spec, trace, report, entry })
 }
 
 fn scenario(scene: &Scene) -> Result<Scenario, Complaint> {

@@ -186,6 +186,8 @@ fn demo_shows_a_violation_and_succeeds() {
         assert_eq!(folder.lapwing(&format!("check playground/{name}.rv playground/{name}.mcap")).code, 1);
         assert_eq!(folder.lapwing(&format!("fmt --check playground/{name}.rv")).code, 0);
     }
+    let page = std::fs::read_to_string(folder.path("playground/report.html")).unwrap();
+    assert!(page.contains("stop_sign.mcap") && page.contains("docking.mcap"));
     // What the closing lines propose works, and a healthy car stops.
     let healthy = folder.lapwing("sim stop-sign --check playground/stop_sign.rv");
     assert_eq!(healthy.code, 0, "{}", healthy.stdout);

@@ -148,7 +148,16 @@ impl Reader {
         if self.order.is_some() {
             return self.next_in_order();
         }
-        match self.pull() {
+        if self.ended {
+            return None;
+        }
+        let found = self.source.advance(&mut self.losses);
+        // PERF: a row needs nothing more, and there are many.
+        if let Ok(Some((time, Head::Row))) = found {
+            self.losses.last = Some(time);
+            return Some(Ok(Item::Row { time, cells: self.source.cells() }));
+        }
+        match self.pulled(found) {
             Ok(Some(pulled)) => Some(Ok(self.item(pulled))),
             Ok(None) => None,
             Err(error) => Some(Err(error)),
@@ -166,12 +175,16 @@ impl Reader {
     }
 
     /// Reads the next item from the source.
-    #[inline]
     fn pull(&mut self) -> Result<Option<Pulled>, ReadError> {
         if self.ended {
             return Ok(None);
         }
         let found = self.source.advance(&mut self.losses);
+        self.pulled(found)
+    }
+
+    /// What the source has found, its fields decoded.
+    fn pulled(&mut self, found: Result<Option<(Time, Head)>, ReadError>) -> Result<Option<Pulled>, ReadError> {
         let Ok(Some((time, head))) = found else {
             self.ended = true;
             return found.map(|_| None);
@@ -245,7 +258,6 @@ impl Reader {
         (decoder, false)
     }
 
-    #[inline]
     fn item(&self, pulled: Pulled) -> Item<'_> {
         let time = pulled.time;
         match pulled.what {

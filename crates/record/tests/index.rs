@@ -51,8 +51,11 @@ fn chunks(file: &[u8]) -> Vec<ChunkIndex> {
     mcap::Summary::read(file).unwrap().unwrap().chunk_indexes
 }
 
+/// Times and topics of all messages.
+type Messages = Vec<(i64, String)>;
+
 /// Times and topics, the values of `/a`, and the losses.
-fn read(file: &[u8]) -> (Vec<(i64, String)>, Vec<Option<f64>>, Vec<Loss>) {
+fn read(file: &[u8]) -> (Messages, Vec<Option<f64>>, Vec<Loss>) {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("x.mcap");
     std::fs::write(&path, file).unwrap();
@@ -66,7 +69,7 @@ fn read(file: &[u8]) -> (Vec<(i64, String)>, Vec<Option<f64>>, Vec<Loss>) {
     (outcome.messages.into_iter().map(|(time, topic, _)| (time, topic)).collect(), values, outcome.losses)
 }
 
-fn expected() -> (Vec<(i64, String)>, Vec<Option<f64>>) {
+fn expected() -> (Messages, Vec<Option<f64>>) {
     let is_b = |k: &i64| (6..10).contains(k) || *k == 13;
     let messages = (0..17).map(|k| (1000 * k, if is_b(&k) { "/b" } else { "/a" }.to_owned())).collect();
     (messages, (0..COUNT).map(|k| Some(k as f64 / 2.0)).collect())

@@ -175,12 +175,8 @@ fn bag(path: &Path, bytes: u64) -> io::Result<()> {
 
 fn connection(number: u32) -> Vec<u8> {
     let topic = TOPICS[number as usize].as_bytes();
-    let about: &[(&str, &[u8])] = &[
-        ("topic", topic),
-        ("type", b"big/Sample"),
-        ("md5sum", b"*"),
-        ("message_definition", DEFINITION.as_bytes()),
-    ];
+    let about: &[(&str, &[u8])] =
+        &[("topic", topic), ("type", b"big/Sample"), ("md5sum", b"*"), ("message_definition", DEFINITION.as_bytes())];
     record(&[("op", &[7]), ("conn", &number.to_le_bytes()), ("topic", topic)], &fields(about))
 }
 

@@ -82,7 +82,8 @@ fn recording(magic: &[u8], data: &[u8]) {
     let wanted: Vec<Wanted> = topics
         .map(|t| Wanted { topic: t.name.clone(), fields: paths(t.schema.as_deref().ok()).split_off(whole) })
         .collect();
-    let signals: Vec<Name> = recording.columns().iter().step_by(2).chain(recording.columns().first()).cloned().collect();
+    let signals: Vec<Name> =
+        recording.columns().iter().step_by(2).chain(recording.columns().first()).cloned().collect();
     let mut reader = if choice.is(3) { recording.read_signals(&wanted, &signals) } else { recording.read(&wanted) };
     for _ in 0..ITEMS {
         match reader.next() {

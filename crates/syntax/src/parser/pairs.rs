@@ -66,9 +66,16 @@ impl Brackets<'_> {
         if begins_statement(self.text, self.tokens, i) {
             self.open.clear();
             self.curly = 0;
-        } else if i > 0 && self.tokens[i - 1].kind.ends_operand() && begins_formula(self.text, self.tokens, i) {
+        } else if self.operand_ends_before(i) && begins_formula(self.text, self.tokens, i) {
             self.abandon_round();
         }
+    }
+
+    /// Whether what stands before token `i` is complete, so that no further operand can follow.
+    fn operand_ends_before(&self, i: usize) -> bool {
+        let Some(before) = i.checked_sub(1) else { return false };
+        let wants_more = |w: &str| w == "not" || words::is_temporal(w) || words::CONNECTIVES.contains(&w);
+        self.tokens[before].kind.ends_operand() && !word(self.text, self.tokens, before).is_some_and(wants_more)
     }
 
     /// Gives up the round and square brackets that stand open inside the innermost curly one.
@@ -110,11 +117,13 @@ fn rest_of_line(tokens: &[Token], i: usize) -> impl Iterator<Item = usize> {
     (i + 1..tokens.len()).take_while(|&j| !tokens[j].starts_line)
 }
 
-/// Whether a line that begins with token `i` begins a formula or a definition of its own.
+/// Whether a line that begins with token `i` begins a formula or a definition of its own. In brackets `until` and `since` go on with an
+/// operand.
 fn begins_formula(text: &str, tokens: &[Token], i: usize) -> bool {
     let Some(word) = word(text, tokens, i) else { return false };
     let next = tokens.get(i + 1).map(|t| t.kind);
-    words::is_temporal(word) || matches!(next, Some(TokenKind::Equals | TokenKind::Colon))
+    let infix = matches!(word, "until" | "since");
+    (words::is_temporal(word) && !infix) || matches!(next, Some(TokenKind::Equals | TokenKind::Colon))
 }
 
 /// The word that token `i` is, where it is one.
