@@ -168,8 +168,8 @@ pub struct Replay {
   lapwing explain unknown-field         what a diagnostic code means
   lapwing explain robot.rv --format mermaid")]
 pub struct Explain {
-    /// A specification (*.rv), or a diagnostic code
-    #[arg(value_name = "SPEC.rv | CODE")]
+    /// A specification (*.rv), a pattern library (std.robot) or one of its patterns (std.robot.tracks), or a diagnostic code
+    #[arg(value_name = "SPEC.rv | std.LIBRARY | CODE")]
     pub what: String,
     /// A recording to resolve types with
     pub trace: Option<String>,

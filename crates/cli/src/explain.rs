@@ -1,4 +1,4 @@
-//! `lapwing explain`: what a specification, or a diagnostic code, means.
+//! `lapwing explain`: what a specification, a shipped pattern, or a diagnostic code means.
 
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
@@ -11,12 +11,14 @@ use lapwing_diag::Code;
 use crate::args::{self, Explain};
 use crate::complain::{Complaint, say, styles};
 use crate::exit::Exit;
+use crate::library;
 use crate::words;
 
 /// Runs the command.
 pub fn run(arguments: &Explain) -> Result<Exit, Complaint> {
     let text = match words::is_spec(&arguments.what) {
         true => specification(arguments)?,
+        false if arguments.what.starts_with("std.") => library::page(&arguments.what)?,
         false => code(&arguments.what)?,
     };
     // Where nobody reads it there is nothing to be done.
@@ -31,7 +33,7 @@ fn code(name: &str) -> Result<String, Complaint> {
     if let Some(code) = Code::from_name(name) {
         return Ok(format!("{}\n", code.page().trim_end()));
     }
-    let complaint = Complaint::new(format!("`{name}` is neither a specification (*.rv) nor a diagnostic code"));
+    let complaint = Complaint::new(format!("`{name}` is neither a specification (*.rv) nor a pattern library (std.*) nor a diagnostic code"));
     let near = Code::ALL.iter().map(|c| (strsim::damerau_levenshtein(name, c.name()), c.name())).min();
     Err(match near {
         Some((far, near)) if far <= 1 + name.len() / 4 => complaint.help(format!("did you mean `{near}`?")),

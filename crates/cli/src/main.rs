@@ -6,6 +6,7 @@
 
 mod args;
 mod exit;
+mod library;
 
 mod backtest;
 mod check;

@@ -198,3 +198,18 @@ fn the_recording_of_the_demo_is_what_its_program_writes() {
     let made = make_stop_sign::recording().unwrap();
     assert!(made == stop_sign(), "run `cargo run -p lapwing-cli --example make_stop_sign` and commit what it writes");
 }
+
+#[test]
+fn explain_shows_what_the_libraries_ship() {
+    let folder = Folder::new(&[]);
+    let robot = folder.lapwing("explain std.robot");
+    assert!(robot.code == 0 && robot.stdout.contains("tracks(command, response, tolerance, settle)"), "{}", robot.stdout);
+    let tracks = folder.lapwing("explain std.robot.tracks");
+    assert!(tracks.stdout.contains("It stands for:\n    whenever held for settle"), "{}", tracks.stdout);
+    let response = folder.lapwing("explain std.dwyer.response");
+    assert!(response.stdout.contains("As a formula: "), "{}", response.stdout);
+    let misspelt = folder.lapwing("explain std.robt");
+    assert!(misspelt.code == 2 && misspelt.stderr.contains("did you mean `std.robot`?"), "{}", misspelt.stderr);
+    let unknown = folder.lapwing("explain std.robot.trakcs");
+    assert!(unknown.code == 2 && unknown.stderr.contains("did you mean `tracks`?"), "{}", unknown.stderr);
+}

@@ -51,6 +51,7 @@ pub mod explain;
 pub mod starter;
 pub mod tune;
 
+pub use lapwing_check::{LIBRARIES, Library, ShippedPattern};
 pub use lapwing_react::{Report, Standing};
 pub use lapwing_record::{OpenError, TimeSource};
 pub use session::{Options, Session, unopened};
