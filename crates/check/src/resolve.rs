@@ -194,6 +194,7 @@ impl Cx<'_> {
             Some(_) if lacks => self.apart(|cx| cx.declared_root(env, &decl.topic, &decl.ty)).0,
             _ => self.declared_root(env, &decl.topic, &decl.ty),
         };
+        let ty = self.said_in_lines(decl).unwrap_or(ty);
         let place =
             Place { root, path: Vec::new(), label: String::new(), ty, known, default: None, stale: None, span: at };
         let mut place = place.follow(self, &root_env, &decl.ty.path)?;
@@ -201,6 +202,14 @@ impl Cx<'_> {
         place.default = decl.default.as_ref().and_then(|e| self.default_value(&root_env, e, &place.ty));
         place.stale = decl.stale.as_ref().and_then(|d| self.duration(&root_env, d));
         Some(place)
+    }
+
+    /// The type of a declared topic whose messages come as lines of NDJSON that name it; a column of the declared name goes before.
+    fn said_in_lines(&self, decl: &ast::Decl) -> Option<Type> {
+        let trace = self.trace.filter(|t| t.schemaless && !t.has_column(&decl.name.name))?;
+        let schema = trace.topic(&decl.topic.absolute())?.schema.clone()?;
+        let is_meant = schema.name.rsplit('/').next() == Some(decl.ty.name.name.as_str());
+        is_meant.then_some(Type::Message(schema))
     }
 
     /// The beginning of the way that a declaration describes.
