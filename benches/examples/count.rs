@@ -4,6 +4,7 @@
 #[path = "../src/program.rs"]
 mod program;
 #[path = "../src/timescales.rs"]
+#[allow(dead_code)] // The other bench needs all of it.
 mod timescales;
 
 use lapwing_engine::{Program, State};

@@ -208,7 +208,7 @@ fn beside(kind: &ItemKind) -> Vec<&str> {
     });
     let idents: Vec<&ast::Ident> = match kind {
         ItemKind::Decl(d) => d.stale.iter().filter_map(duration_name).collect(),
-        ItemKind::Property(p) => p.over.iter().flatten().chain(sliced).collect(),
+        ItemKind::Property(p) => p.over.iter().flatten().flat_map(heads).chain(sliced).collect(),
         ItemKind::Definition(_) => sliced.collect(),
         ItemKind::Machine(m) => {
             let bounds = m.states.iter().flat_map(|s| s.at_most.iter().chain(&s.at_least)).filter_map(duration_name);
@@ -218,6 +218,15 @@ fn beside(kind: &ItemKind) -> Vec<&str> {
         _ => Vec::new(),
     };
     idents.into_iter().map(|i| i.name.as_str()).collect()
+}
+
+/// The names with which an event of an alphabet begins: its own, or that of the state diagram.
+fn heads(event: &ast::Expr) -> Vec<&ast::Ident> {
+    match &event.kind {
+        ast::ExprKind::Path(names) => names.first().into_iter().collect(),
+        ast::ExprKind::Call(_, arguments) => arguments.iter().flat_map(heads).collect(),
+        _ => Vec::new(),
+    }
 }
 
 fn duration_name(dur: &ast::Dur) -> Option<&ast::Ident> {

@@ -33,7 +33,9 @@ fn code(name: &str) -> Result<String, Complaint> {
     if let Some(code) = Code::from_name(name) {
         return Ok(format!("{}\n", code.page().trim_end()));
     }
-    let complaint = Complaint::new(format!("`{name}` is neither a specification (*.rv) nor a pattern library (std.*) nor a diagnostic code"));
+    let complaint = Complaint::new(format!(
+        "`{name}` is neither a specification (*.rv) nor a pattern library (std.*) nor a diagnostic code"
+    ));
     let near = Code::ALL.iter().map(|c| (strsim::damerau_levenshtein(name, c.name()), c.name())).min();
     Err(match near {
         Some((far, near)) if far <= 1 + name.len() / 4 => complaint.help(format!("did you mean `{near}`?")),

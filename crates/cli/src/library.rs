@@ -42,7 +42,11 @@ fn overview(library: &Library) -> String {
         let sentence = words.split_once(". ").map_or(&*words, |(first, _)| first);
         let _ = write!(out, "\n  {}\n      {}\n", pattern.call, sentence.trim_end_matches('.'));
     }
-    let _ = write!(out, "\n`use {0}` in a specification brings them in; `lapwing explain {0}.NAME` says more of one.\n", library.name);
+    let _ = write!(
+        out,
+        "\n`use {0}` in a specification brings them in; `lapwing explain {0}.NAME` says more of one.\n",
+        library.name
+    );
     out
 }
 

@@ -203,7 +203,11 @@ fn the_recording_of_the_demo_is_what_its_program_writes() {
 fn explain_shows_what_the_libraries_ship() {
     let folder = Folder::new(&[]);
     let robot = folder.lapwing("explain std.robot");
-    assert!(robot.code == 0 && robot.stdout.contains("tracks(command, response, tolerance, settle)"), "{}", robot.stdout);
+    assert!(
+        robot.code == 0 && robot.stdout.contains("tracks(command, response, tolerance, settle)"),
+        "{}",
+        robot.stdout
+    );
     let tracks = folder.lapwing("explain std.robot.tracks");
     assert!(tracks.stdout.contains("It stands for:\n    whenever held for settle"), "{}", tracks.stdout);
     let response = folder.lapwing("explain std.dwyer.response");

@@ -8,10 +8,10 @@
 
 extern crate alloc;
 
-mod time;
-mod value;
 mod sample;
 mod schema;
+mod time;
+mod value;
 mod verdict;
 
 pub use sample::{Sample, What};

@@ -385,8 +385,8 @@ pub struct Guard {
 pub struct Property {
     /// Its name.
     pub name: Option<Ident>,
-    /// `over (a, b)`
-    pub over: Option<Vec<Ident>>,
+    /// `over (a, entered(m.s))`: names of events, and events of state diagrams.
+    pub over: Option<Vec<Expr>>,
     /// The quantifiers, outermost first.
     pub each: Vec<ForEach>,
     /// The formula.

@@ -188,12 +188,12 @@ fn properties() {
     check(
         "a > 1\nproperty q: b\nr: c\ns = d\nt over (e, f): g",
         expect![[r#"
-        Property(Property { name: None, over: None, each: [], body: Expr { kind: Binary(Gt, Expr { kind: Path(["a"]), parens: false }, Expr { kind: Number(Number { value: 1.0, text: "1", unit: None }), parens: false }), parens: false } })
-        Property(Property { name: Some("q"), over: None, each: [], body: Expr { kind: Path(["b"]), parens: false } })
-        Property(Property { name: Some("r"), over: None, each: [], body: Expr { kind: Path(["c"]), parens: false } })
-        Definition(Definition { name: "s", each: [], body: Expr { kind: Path(["d"]), parens: false } })
-        Property(Property { name: Some("t"), over: Some(["e", "f"]), each: [], body: Expr { kind: Path(["g"]), parens: false } })
-    "#]],
+            Property(Property { name: None, over: None, each: [], body: Expr { kind: Binary(Gt, Expr { kind: Path(["a"]), parens: false }, Expr { kind: Number(Number { value: 1.0, text: "1", unit: None }), parens: false }), parens: false } })
+            Property(Property { name: Some("q"), over: None, each: [], body: Expr { kind: Path(["b"]), parens: false } })
+            Property(Property { name: Some("r"), over: None, each: [], body: Expr { kind: Path(["c"]), parens: false } })
+            Definition(Definition { name: "s", each: [], body: Expr { kind: Path(["d"]), parens: false } })
+            Property(Property { name: Some("t"), over: Some([Expr { kind: Path(["e"]), parens: false }, Expr { kind: Path(["f"]), parens: false }]), each: [], body: Expr { kind: Path(["g"]), parens: false } })
+        "#]],
     );
     check(
         "for each r in (a, b): for each k of call.robot.id: r.x",

@@ -19,7 +19,7 @@ use each::{Instance, Instances, instances};
 /// A statement that is judged.
 struct Judged<'a> {
     name: Option<&'a Ident>,
-    over: Option<&'a [Ident]>,
+    over: Option<&'a [ast::Expr]>,
     each: &'a [ForEach],
     body: &'a ast::Expr,
     span: Span,
@@ -100,7 +100,7 @@ fn instance_of(cx: &mut Cx, item: usize, judged: &Judged, all: &Instances, insta
     let mut uses = Uses::of(&cx.spec.inputs, &cx.machines, &formula);
     let slices = slices(cx, &all.slices, &uses);
     if let Some(over) = judged.over {
-        let listed: Vec<usize> = over.iter().filter_map(|name| event_named(cx, &env, name)).collect();
+        let listed: Vec<usize> = over.iter().filter_map(|event| listed_event(cx, &env, event)).collect();
         if uses.signals {
             over_signals(cx, &env, over, &formula);
         }
@@ -187,7 +187,26 @@ fn field_of(cx: &mut Cx, event: usize, path: &[Step]) -> Option<usize> {
     Some(cx.event_field(event, EventField { path: path.to_vec(), wanted, ty }))
 }
 
-fn over_signals(cx: &mut Cx, env: &Env, over: &[Ident], formula: &Expr) {
+/// An event of an alphabet: a declared one by its name, or one of a state diagram.
+fn listed_event(cx: &mut Cx, env: &Env, event: &ast::Expr) -> Option<usize> {
+    if let ast::ExprKind::Path(names) = &event.kind
+        && let [name] = &names[..]
+    {
+        return event_named(cx, env, name);
+    }
+    let lowered = cx.formula_of(env, event);
+    if let Kind::Event(event) = lowered.kind {
+        return Some(event);
+    }
+    if !cx.found.failed {
+        let message = "only events can be listed here";
+        let help = "an event by its name, or `entered(MACHINE.STATE)` and `left(MACHINE.STATE)`";
+        cx.report(env, Diagnostic::new(Code::Misplaced, event.span, message).label("this is no event").help(help));
+    }
+    None
+}
+
+fn over_signals(cx: &mut Cx, env: &Env, over: &[ast::Expr], formula: &Expr) {
     let span = over.iter().map(|o| o.span).reduce(Span::to).unwrap_or(formula.span);
     let mut diagnostic = Diagnostic::new(Code::OverSignals, span, "`over` belongs to a property over events alone")
         .label("these cannot be its only instants")

@@ -1,7 +1,7 @@
 //! Properties, definitions and patterns: what has a formula for a body.
 
 use super::{Parse, Parser};
-use crate::ast::{Definition, EachSet, Expr, ForEach, Ident, ItemKind, Pattern, Property};
+use crate::ast::{Definition, EachSet, Expr, ExprKind, ForEach, ItemKind, Pattern, Property};
 use crate::token::{Role, TokenKind};
 use lapwing_diag::{Code, Diagnostic};
 
@@ -28,8 +28,23 @@ impl Parser<'_> {
         Ok(ItemKind::Property(Property { name: Some(name), over, each, body }))
     }
 
-    fn over(&mut self) -> Parse<Option<Vec<Ident>>> {
-        if self.eat_word("over") { self.name_list("the name of an event").map(Some) } else { Ok(None) }
+    fn over(&mut self) -> Parse<Option<Vec<Expr>>> {
+        if !self.eat_word("over") {
+            return Ok(None);
+        }
+        let listed =
+            self.bracketed(TokenKind::OpenRound, "a comma or `)`", |p| p.comma_separated(Parser::event_of_alphabet))?;
+        listed.map(Some).ok_or(super::Reported(()))
+    }
+
+    /// `kick`, `entered(soccer.goto_ball)`
+    fn event_of_alphabet(&mut self) -> Parse<Expr> {
+        if self.cursor.ahead(1) == TokenKind::OpenRound {
+            return self.formula().map(|tree| *tree);
+        }
+        let name = self.ident("the name of an event")?;
+        let span = name.span;
+        Ok(Expr { kind: ExprKind::Path(vec![name]), span, parens: false })
     }
 
     /// A formula on its own: a property called by its line.
