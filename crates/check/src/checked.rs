@@ -456,6 +456,19 @@ pub enum Compare {
     Ge,
 }
 
+impl Compare {
+    /// The comparison with its sides exchanged.
+    pub fn mirrored(self) -> Compare {
+        match self {
+            Compare::Lt => Compare::Gt,
+            Compare::Le => Compare::Ge,
+            Compare::Gt => Compare::Lt,
+            Compare::Ge => Compare::Le,
+            same => same,
+        }
+    }
+}
+
 /// Connectives.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[allow(missing_docs)]

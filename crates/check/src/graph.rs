@@ -267,7 +267,7 @@ impl<'n> Mentions<'_, 'n> {
                 if let ExprKind::Call(name, _) = kind {
                     self.found.extend(self.names.patterns.get(name.name.as_str()));
                 }
-                walk::children(expr).into_iter().for_each(|e| self.read(e));
+                expr.children().into_iter().for_each(|e| self.read(e));
             }
         }
     }

@@ -2,27 +2,12 @@
 
 use lapwing_syntax::ast::{Bound, Dur, Expr, ExprKind, Ident};
 
-/// The expressions directly below one, from left to right.
-pub(crate) fn children(expr: &Expr) -> Vec<&Expr> {
-    match &expr.kind {
-        ExprKind::Number(_) | ExprKind::Str(_) | ExprKind::Bool(_) | ExprKind::Path(_) => Vec::new(),
-        ExprKind::Topic(_) | ExprKind::Error => Vec::new(),
-        ExprKind::Field(e, _) | ExprKind::Index(e, _) | ExprKind::Lambda(_, e) | ExprKind::Lookback(e, _) => vec![e],
-        ExprKind::Neg(e) | ExprKind::Not(e) | ExprKind::Ltl(e) => vec![e],
-        ExprKind::Prefix(_, _, e) | ExprKind::Held(_, e) => vec![e],
-        ExprKind::Binary(_, l, r) | ExprKind::Infix(_, _, l, r) | ExprKind::Scope(_, l, r) => vec![l, r],
-        ExprKind::WithMargin(_, l, m, r) => vec![l, m, r],
-        ExprKind::AfterUntil(x, y, f) => vec![x, y, f],
-        ExprKind::Call(_, args) => args.iter().collect(),
-    }
-}
-
 /// Calls `visit` for an expression and all below it, without recursion.
 pub(crate) fn every<'e>(expr: &'e Expr, mut visit: impl FnMut(&'e Expr)) {
     let mut open = vec![expr];
     while let Some(expr) = open.pop() {
         visit(expr);
-        open.extend(children(expr).into_iter().rev());
+        open.extend(expr.children().into_iter().rev());
     }
 }
 

@@ -151,21 +151,8 @@ fn their_patterns_depend_on_nothing_else() {
                 }
                 _ => {}
             }
-            open.extend(children(expr));
+            open.extend(expr.children());
         }
-    }
-}
-
-fn children(expr: &lapwing_syntax::ast::Expr) -> Vec<&lapwing_syntax::ast::Expr> {
-    match &expr.kind {
-        ExprKind::Field(e, _) | ExprKind::Index(e, _) | ExprKind::Lambda(_, e) | ExprKind::Lookback(e, _) => vec![e],
-        ExprKind::Neg(e) | ExprKind::Not(e) | ExprKind::Ltl(e) => vec![e],
-        ExprKind::Prefix(_, _, e) | ExprKind::Held(_, e) => vec![e],
-        ExprKind::Binary(_, l, r) | ExprKind::Infix(_, _, l, r) | ExprKind::Scope(_, l, r) => vec![l, r],
-        ExprKind::WithMargin(_, l, m, r) => vec![l, m, r],
-        ExprKind::AfterUntil(x, y, f) => vec![x, y, f],
-        ExprKind::Call(_, args) => args.iter().collect(),
-        _ => Vec::new(),
     }
 }
 

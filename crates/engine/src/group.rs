@@ -107,7 +107,7 @@ impl Core {
             self.walk.run(here(plan, inputs, now, &[]), due);
             self.positions += 1;
             self.spoil(plan);
-            self.judge_later(plan, inputs, now, tell);
+            self.judge(plan, inputs, now, tell);
         } else {
             self.step_any(plan, inputs, due, now, limit, tell);
         }
@@ -154,19 +154,6 @@ impl Core {
             && (is_position || plan.at.alphabet.is_none())
         {
             margins.step(&plan.margins, self.walk.view(here(plan, inputs, now, &self.key)), is_position);
-        }
-    }
-
-    /// A position after the first of a group that may rest: what is asked at all positions is asked here.
-    #[inline]
-    fn judge_later(&mut self, plan: &Group, inputs: &Inputs, now: i64, tell: &mut impl Observer) {
-        let n = self.positions - 1;
-        for (state, tracker) in self.trackers.iter_mut().zip(&plan.trackers) {
-            if let (At::All, Judged::State(formula)) = (tracker.at, tracker.formula)
-                && let Some(began) = state.judge(self.walk.registers.bit(formula), n, now)
-            {
-                alarm(inputs, tracker.property, &self.key, began, now, tell);
-            }
         }
     }
 

@@ -9,8 +9,8 @@
 //!    order; the sample's content becomes the latest of everything ([`intake`]).
 //! 2. At an instant the signals have their latest values ([`inputs`]), then the machines move ([`machine`]).
 //! 3. Each [`Group`](program::Group) of properties with the same positions walks on to the position, where the past operators that
-//!    are due are evaluated ([`walk`], [`past`]), then its graph of
-//!    future operators ([`future`]), whose decisions end obligations ([`tracker`]).
+//!    are due are evaluated ([`walk`], [`past`]), then its graph of future operators ([`future`]), whose decisions end obligations
+//!    ([`tracker`]).
 //! 4. Where it is asked for, margins are computed beside ([`mod@margin`]).
 //!
 //! A state can be written as bytes and read back ([`saved`]).

@@ -15,24 +15,12 @@ use crate::words;
 
 /// A property of which nothing is known yet but the text.
 pub(crate) fn blank(spec: &Spec, meaning: &checked::Spec, property: &checked::Property) -> Property {
+    let place = (property.line, spec.position(property.span).1);
     Property {
-        name: property.name.clone(),
-        file: spec.name().to_owned(),
-        line: property.line,
-        column: spec.position(property.span).1,
-        text: property.text.clone(),
-        verdict: Verdict::Inconclusive,
         cause: property.problem.clone(),
-        vacuous: false,
-        obligations: Obligations::default(),
-        margin: None,
-        violations: Vec::new(),
         scopes: scopes(spec, property),
-        nans: 0,
-        unmet_since: None,
-        at_end: Vec::new(),
         reactions: reactions(meaning, &property.name),
-        hints: Vec::new(),
+        ..Property::new(&property.name, spec.name(), place, &property.text)
     }
 }
 

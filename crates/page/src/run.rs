@@ -173,25 +173,8 @@ mod tests {
     use super::*;
 
     fn report(verdicts: &[Verdict]) -> Report {
-        let property = |verdict: &Verdict| Property {
-            name: "p".into(),
-            file: "a.rv".into(),
-            line: 1,
-            column: 1,
-            text: "never x".into(),
-            verdict: *verdict,
-            cause: None,
-            vacuous: false,
-            obligations: Default::default(),
-            margin: None,
-            violations: Vec::new(),
-            scopes: Vec::new(),
-            nans: 0,
-            unmet_since: None,
-            at_end: Vec::new(),
-            reactions: Vec::new(),
-            hints: Vec::new(),
-        };
+        let property =
+            |verdict: &Verdict| Property { verdict: *verdict, ..Property::new("p", "a.rv", (1, 1), "never x") };
         Report { properties: verdicts.iter().map(property).collect(), ..Report::default() }
     }
 

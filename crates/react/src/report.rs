@@ -76,6 +76,31 @@ pub struct Property {
     pub hints: Vec<String>,
 }
 
+impl Property {
+    /// A property of which nothing is known yet but its name, the file with the line and column where it stands, and its text.
+    pub fn new(name: &str, file: &str, (line, column): (usize, usize), text: &str) -> Property {
+        Property {
+            name: name.to_owned(),
+            file: file.to_owned(),
+            line,
+            column,
+            text: text.to_owned(),
+            verdict: Verdict::Inconclusive,
+            cause: None,
+            vacuous: false,
+            obligations: Obligations::default(),
+            margin: None,
+            violations: Vec::new(),
+            scopes: Vec::new(),
+            nans: 0,
+            unmet_since: None,
+            at_end: Vec::new(),
+            reactions: Vec::new(),
+            hints: Vec::new(),
+        }
+    }
+}
+
 /// What became of the obligations of a property.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Obligations {

@@ -10,25 +10,7 @@ fn reading(name: &str, value: impl Into<Value>) -> Reading {
 }
 
 fn property(line: usize, text: &str, verdict: Verdict) -> Property {
-    Property {
-        name: format!("line {line}"),
-        file: "stop.rv".into(),
-        line,
-        column: 1,
-        text: text.into(),
-        verdict,
-        cause: None,
-        vacuous: false,
-        obligations: Obligations::default(),
-        margin: None,
-        violations: Vec::new(),
-        scopes: Vec::new(),
-        nans: 0,
-        unmet_since: None,
-        at_end: Vec::new(),
-        reactions: Vec::new(),
-        hints: Vec::new(),
-    }
+    Property { verdict, ..Property::new(&format!("line {line}"), "stop.rv", (line, 1), text) }
 }
 
 fn stop_sign() -> Property {

@@ -482,6 +482,25 @@ pub enum ExprKind {
     Error,
 }
 
+impl Expr {
+    /// The expressions directly below it, from left to right.
+    pub fn children(&self) -> Vec<&Expr> {
+        match &self.kind {
+            ExprKind::Number(_) | ExprKind::Str(_) | ExprKind::Bool(_) | ExprKind::Path(_) => Vec::new(),
+            ExprKind::Topic(_) | ExprKind::Error => Vec::new(),
+            ExprKind::Field(e, _) | ExprKind::Index(e, _) | ExprKind::Lambda(_, e) | ExprKind::Lookback(e, _) => {
+                vec![e]
+            }
+            ExprKind::Neg(e) | ExprKind::Not(e) | ExprKind::Ltl(e) => vec![e],
+            ExprKind::Prefix(_, _, e) | ExprKind::Held(_, e) => vec![e],
+            ExprKind::Binary(_, l, r) | ExprKind::Infix(_, _, l, r) | ExprKind::Scope(_, l, r) => vec![l, r],
+            ExprKind::WithMargin(_, l, m, r) => vec![l, m, r],
+            ExprKind::AfterUntil(x, y, f) => vec![x, y, f],
+            ExprKind::Call(_, args) => args.iter().collect(),
+        }
+    }
+}
+
 /// Binary operators without time.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[allow(missing_docs)]

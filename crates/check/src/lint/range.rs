@@ -21,20 +21,10 @@ pub(super) fn comparison(expr: &Expr) -> Option<(&Expr, Range)> {
     };
     let (what, op, value) = match (constant(left), constant(right)) {
         (None, Some(value)) => (&**left, *op, value),
-        (Some(value), None) => (&**right, mirrored(*op), value),
+        (Some(value), None) => (&**right, op.mirrored(), value),
         _ => return None,
     };
     Range::of(op, value, margin).map(|range| (what, range))
-}
-
-fn mirrored(op: Compare) -> Compare {
-    match op {
-        Compare::Lt => Compare::Gt,
-        Compare::Le => Compare::Ge,
-        Compare::Gt => Compare::Lt,
-        Compare::Ge => Compare::Le,
-        same => same,
-    }
 }
 
 impl Range {

@@ -162,7 +162,7 @@ impl Planner<'_> {
             match (find(left), find(right)) {
                 (Some(a), Some(b)) => view.join(a, b),
                 (Some(track), None) => view.limit(track, *op, margin, right, &self.printer),
-                (None, Some(track)) => view.limit(track, mirrored(*op), margin, left, &self.printer),
+                (None, Some(track)) => view.limit(track, op.mirrored(), margin, left, &self.printer),
                 (None, None) => {}
             }
         }
@@ -204,16 +204,6 @@ impl View {
                 limits.push(Limit { value, text: text.clone() });
             }
         }
-    }
-}
-
-fn mirrored(op: Compare) -> Compare {
-    match op {
-        Compare::Lt => Compare::Gt,
-        Compare::Le => Compare::Ge,
-        Compare::Gt => Compare::Lt,
-        Compare::Ge => Compare::Le,
-        same => same,
     }
 }
 

@@ -188,23 +188,5 @@ fn violation(began: f64, failed: f64, until: f64, count: u64, speed: f64) -> Vio
 }
 
 fn property(line: usize, text: &str, verdict: Verdict) -> Property {
-    Property {
-        name: format!("line {line}"),
-        file: "robot.rv".into(),
-        line,
-        column: 1,
-        text: text.into(),
-        verdict,
-        cause: None,
-        vacuous: false,
-        obligations: Obligations::default(),
-        margin: None,
-        violations: Vec::new(),
-        scopes: Vec::new(),
-        nans: 0,
-        unmet_since: None,
-        at_end: Vec::new(),
-        reactions: Vec::new(),
-        hints: Vec::new(),
-    }
+    Property { verdict, ..Property::new(&format!("line {line}"), "robot.rv", (line, 1), text) }
 }

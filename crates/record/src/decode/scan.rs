@@ -197,7 +197,7 @@ impl<'a> Scanner<'a> {
         })
     }
 
-    /// `\uXXXX`, or a pair of them for a character beyond the first 65,536.
+    /// `\u` and four hexadecimal digits, or a pair of that for a character beyond the first 65,536.
     fn unicode(&mut self) -> Scan<char> {
         let high = self.hex()?;
         let low = matches!(high, 0xD800..=0xDBFF) && self.text[self.at..].starts_with(b"\\u");
