@@ -1,6 +1,5 @@
 //! `lapwing backtest`: how often each property would have fired, and which thresholds fit.
 
-use std::convert::Infallible;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -87,7 +86,7 @@ pub fn run(backtest: &Backtest) -> Result<Exit, Complaint> {
         account.add(report, run.mark);
     }
     if let Some(name) = &backtest.tune {
-        account.tuned = Some(tune(&bench, &account, &specs, name)?);
+        account.tuned = tune(&bench, &account, &specs, name)?;
     }
     let shown = match backtest.format {
         Format::Text => text(&account, stdout),
@@ -104,6 +103,7 @@ pub fn run(backtest: &Backtest) -> Result<Exit, Complaint> {
 }
 
 /// A recording, and what is known of it.
+#[derive(Clone)]
 struct Run {
     trace: PathBuf,
     mark: Mark,
@@ -168,14 +168,24 @@ impl Bench<'_> {
         jobs::spread(self.runs.len(), self.threads, one).into_iter().map(|(_, report)| report).collect()
     }
 
-    /// What each value of a name does to the recordings that are marked, judged by the properties on those lines.
-    fn judge(&self, spec: &Spec, tunable: &Tunable, lines: &[usize], values: &[f64]) -> Vec<Tried> {
+    /// What each value of a name does to the recordings, judged by the properties on those lines.
+    fn judge(
+        &self,
+        spec: &Spec,
+        tunable: &Tunable,
+        lines: &[usize],
+        values: &[f64],
+    ) -> Result<Vec<Tried>, Interrupted> {
         let label = |k: usize| format!("{}, value {k}", spec.name());
         let variants: Vec<Option<Spec>> =
             values.iter().enumerate().map(|(k, v)| tunable.with(spec, *v, &label(k)).ok()).collect();
         let usable: Vec<Spec> = variants.iter().flatten().cloned().collect();
         let options = Options { margins: false, ..self.options.clone() };
         let reports = self.reports(&usable, &options);
+        // What was not read would count as neither an alarm nor a miss.
+        if interrupt::is_stopped() {
+            return Err(Interrupted);
+        }
         let fires = |report: &Report, label: &str| {
             report.properties.iter().any(|p| p.file == label && p.has_failed() && lines.contains(&p.line))
         };
@@ -188,11 +198,15 @@ impl Bench<'_> {
                 |wanted: (Mark, bool)| fired.iter().filter(|f| cannot && f.0 == wanted.0 || **f == wanted).count();
             Tried { value: *value, false_alarms: count((Mark::Good, true)), missed: count((Mark::Bad, false)) }
         };
-        values.iter().enumerate().map(one).collect()
+        Ok(values.iter().enumerate().map(one).collect())
     }
 }
 
-fn tune(bench: &Bench<'_>, account: &Account, specs: &[Spec], name: &str) -> Result<Tuned, Complaint> {
+/// The user ended a search, which therefore has no result.
+struct Interrupted;
+
+/// Searches for the values of a name that fit the marked recordings; `None` where the user ended the search.
+fn tune(bench: &Bench<'_>, account: &Account, specs: &[Spec], name: &str) -> Result<Option<Tuned>, Complaint> {
     let [spec] = specs else {
         return Err(Complaint::new("--tune takes one specification: the one in which the name stands"));
     };
@@ -212,15 +226,16 @@ fn tune(bench: &Bench<'_>, account: &Account, specs: &[Spec], name: &str) -> Res
         let (which, what) = if marked.0 == 0 { ("good", "large") } else { ("bad", "small") };
         say(&format!("warning: no recording is marked {which}: nothing says that a value is too {what}\n"));
     }
-    let judge = |values: &[f64]| Ok::<_, Infallible>(bench.judge(spec, &tunable, &lines, values));
-    let current = bench.judge(spec, &tunable, &lines, &[tunable.value]).pop().unwrap_or_default();
-    let found = match search(tunable.value, judge) {
-        Ok(found) => found,
-        Err(never) => match never {},
+    let runs: Vec<Run> = bench.runs.iter().filter(|run| run.mark != Mark::Unmarked).cloned().collect();
+    let bench = Bench { runs: &runs, options: bench.options.clone(), threads: bench.threads };
+    let Ok(found) = search(tunable.value, |values| bench.judge(spec, &tunable, &lines, values)) else {
+        return Ok(None);
     };
+    // The first round has the value that stands there.
+    let current = found.tried.iter().copied().find(|t| t.value == tunable.value).unwrap_or_default();
     let values = found.tried.iter().map(|t| t.value);
     let searched = (values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max));
-    Ok(Tuned {
+    Ok(Some(Tuned {
         name: name.to_owned(),
         unit: tunable.unit.clone(),
         current,
@@ -229,7 +244,7 @@ fn tune(bench: &Bench<'_>, account: &Account, specs: &[Spec], name: &str) -> Res
         tried: found.tried,
         properties,
         marked,
-    })
+    }))
 }
 
 /// Stops the reading after an interrupt.

@@ -217,3 +217,16 @@ fn explain_shows_what_the_libraries_ship() {
     let unknown = folder.lapwing("explain std.robot.trakcs");
     assert!(unknown.code == 2 && unknown.stderr.contains("did you mean `tracks`?"), "{}", unknown.stderr);
 }
+
+#[test]
+fn explain_finds_the_instances_that_a_check_finds() {
+    let line = |t: usize, robot: &str| {
+        format!("{{\"t\":{t},\"topic\":\"/{robot}/v\",\"type\":\"std_msgs/Float64\",\"msg\":{{\"data\":1}}}}\n")
+    };
+    let late: String = (0..20_000).map(|t| line(t, "r1")).chain([line(20_000, "r2")]).collect();
+    let spec = "decl v /r1/v std_msgs/Float64.data\nv: for each r in topics /{r}/v: age(/{r}/v) < 5\nv2: v > 0\n"
+        .replace("v: for", "fresh: for");
+    let folder = Folder::new(&[("a.rv", spec.as_str()), ("late.ndjson", late.as_str())]);
+    let explained = folder.lapwing("explain a.rv late.ndjson");
+    assert!(explained.stdout.contains("fresh[r1]") && explained.stdout.contains("fresh[r2]"), "{}", explained.stdout);
+}

@@ -92,3 +92,13 @@ fn a_declared_signal_is_the_value_of_its_name() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stdout));
 }
+
+#[test]
+fn a_table_without_rows_has_its_columns_however_far_one_looks() {
+    let spec = "xx > 0\nfresh: for each r in topics /{r}/v: age(/{r}/v) < 5\n";
+    let (_dir, mut child) = check(spec, &[]);
+    child.stdin.take().unwrap().write_all(b"time,xy\n").unwrap();
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("the recording has `xy`"), "{said}");
+}

@@ -43,11 +43,8 @@ pub struct Session<'s> {
 impl<'s> Session<'s> {
     /// Opens a recording, and checks the specifications against what it carries.
     pub fn open(specs: &'s [Spec], trace: &Path, options: &Options) -> Result<Session<'s>, OpenError> {
-        let mut how = options.recording.clone();
-        if specs.iter().any(Spec::runs_over_topics) {
-            how.look_ahead = u64::MAX;
-        }
-        Ok(Session::over(specs, lapwing_record::open(trace, how)?, trace, options))
+        let recording = shape::open(specs, trace, &options.recording)?;
+        Ok(Session::over(specs, recording, trace, options))
     }
 
     /// Checks the specifications against a recording that is open already; `trace` is what reports call it. What a program says

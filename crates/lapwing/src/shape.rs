@@ -1,7 +1,20 @@
 //! What a recording carries, in the terms of the check.
 
+use std::path::Path;
+
 use lapwing_check::{TraceShape, TraceTopic};
-use lapwing_record::{Format, Recording};
+use lapwing_record::{Format, OpenError, Recording};
+
+use crate::spec::Spec;
+
+/// Opens a recording. It has to tell all of its topics beforehand where a property stands for each of them.
+pub(crate) fn open(specs: &[Spec], trace: &Path, how: &lapwing_record::Options) -> Result<Recording, OpenError> {
+    let mut how = how.clone();
+    if specs.iter().any(Spec::runs_over_topics) {
+        how.look_ahead = u64::MAX;
+    }
+    lapwing_record::open(trace, how)
+}
 
 /// The shape of an opened recording.
 pub(crate) fn of(recording: &Recording) -> TraceShape {

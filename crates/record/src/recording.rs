@@ -51,7 +51,8 @@ pub struct Wanted {
 /// Opens a recording, whatever its format: a file, a rosbag2 folder, or `-` for standard input (text formats only).
 ///
 /// Opening reads what tells the topics: a summary or an index where there is one, else the whole file, but of an NDJSON
-/// file only so much as [`Options::look_ahead`] says, and of a stream only its first line (for which it waits).
+/// file only so much as [`Options::look_ahead`] says, and of a stream only its beginning (for which it waits),
+/// unless all of it is to be looked through: then it is kept in a temporary file.
 pub fn open(path: &Path, options: Options) -> Result<Recording, OpenError> {
     let library = Library::new(&options.msgs);
     let text = |from| crate::open::text(from, path, 0, &library, &options.limits);
@@ -59,8 +60,7 @@ pub fn open(path: &Path, options: Options) -> Result<Recording, OpenError> {
         Some(stream) if options.look_ahead == u64::MAX => {
             let mut file = ahead::spool(stream, path, &options.limits)?;
             let error = |error| OpenError::Io { path: path.to_owned(), error };
-            let (_, ahead) = text(Box::new(file.try_clone().map_err(error)?))?;
-            let found = Found::ahead(ahead, u64::MAX);
+            let found = Found::of(text(Box::new(file.try_clone().map_err(error)?))?, u64::MAX);
             file.rewind().map_err(error)?;
             let (format, source) = text(Box::new(file))?;
             (format, source, found)
@@ -75,7 +75,7 @@ pub fn open(path: &Path, options: Options) -> Result<Recording, OpenError> {
             let (format, source) = open()?;
             let found = match format {
                 Format::Ndjson => {
-                    open().map_or_else(|_| Found::default(), |(_, s)| Found::ahead(s, options.look_ahead))
+                    open().map_or_else(|_| Found::default(), |again| Found::of(again, options.look_ahead))
                 }
                 _ => Found::at_once(&*source),
             };
@@ -93,6 +93,11 @@ struct Found {
 }
 
 impl Found {
+    /// What an opened source tells, which is then of no further use: lines of NDJSON in so many bytes, any other at once.
+    fn of((format, source): (Format, Box<dyn Source>), bytes: u64) -> Found {
+        if format == Format::Ndjson { Found::ahead(source, bytes) } else { Found::at_once(&*source) }
+    }
+
     /// What a source tells at once.
     fn at_once(source: &dyn Source) -> Found {
         Found { topics: topics(source.channels()), columns: source.columns().to_vec() }

@@ -18,10 +18,10 @@ const END: &str = "/lapwing/end";
 
 /// Writes the messages of these topics that lie in the window.
 pub(super) fn cut(subject: &Subject<'_>, topics: &[String], window: &Window, clip: &Path) -> Result<(), CapsuleError> {
-    let first = if window.rate.is_some() { first_of(subject, topics)? } else { None };
+    let mut stamps = Stamps::new(subject.options.recording.time);
+    let first = if window.rate.is_some() { first_of(subject, topics, &mut stamps)? } else { None };
     let from = window.beginning(first);
     let mut reader = open(subject)?.read_raw(topics);
-    let mut stamps = Stamps::new(subject.options.recording.time);
     let mut out = Clip::create(clip, profile(&reader))?;
     let mut latest: BTreeMap<usize, (Time, Vec<u8>)> = BTreeMap::new();
     let mut end = None;
@@ -64,12 +64,13 @@ fn profile(reader: &RawReader) -> &'static str {
 }
 
 /// When the specification reads its first message.
-fn first_of(subject: &Subject<'_>, topics: &[String]) -> Result<Option<Time>, CapsuleError> {
+fn first_of(subject: &Subject<'_>, topics: &[String], stamps: &mut Stamps) -> Result<Option<Time>, CapsuleError> {
     let mut reader = open(subject)?.read_raw(topics);
     while let Some(message) = reader.next() {
         let message = message.map_err(CapsuleError::Read)?;
-        if message.payload.is_some() {
-            return Ok(Some(message.time));
+        let (number, logged, bytes) = (message.channel, message.time, message.payload.map(<[u8]>::to_vec));
+        if let (Some(bytes), Some(channel)) = (bytes, reader.channel(number)) {
+            return Ok(Some(stamps.of(number, &channel, logged, &bytes)));
         }
     }
     Ok(None)

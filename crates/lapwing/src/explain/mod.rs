@@ -61,7 +61,7 @@ pub struct Explained {
 /// Explains a specification, with the types of a recording where there is one.
 pub fn explain(spec: &Spec, trace: Option<&Path>, options: &Options, style: Style) -> Result<Explanation, OpenError> {
     let Some(trace) = trace else { return Ok(explanation(spec, &spec.alone().spec, Vec::new(), &[])) };
-    let recording = lapwing_record::open(trace, options.recording.clone())?;
+    let recording = shape::open(std::slice::from_ref(spec), trace, &options.recording)?;
     let checked = spec.against(&shape::of(&recording));
     let findings =
         checked.beyond(&spec.findings().diagnostics).map(|d| render(&spec.findings().sources, d, style)).collect();
@@ -76,7 +76,7 @@ pub fn draw(
     picture: Picture,
 ) -> Result<Option<String>, OpenError> {
     let Some(trace) = trace else { return Ok(picture::draw(spec, &spec.alone().spec, picture)) };
-    let recording = lapwing_record::open(trace, options.recording.clone())?;
+    let recording = shape::open(std::slice::from_ref(spec), trace, &options.recording)?;
     Ok(picture::draw(spec, &spec.against(&shape::of(&recording)).spec, picture))
 }
 

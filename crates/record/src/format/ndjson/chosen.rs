@@ -9,6 +9,8 @@ use crate::format::signals::Signals;
 
 /// At most so many forms of lines are learnt. Lines that never look alike are not worth more.
 const FORMS: usize = 16;
+/// After so many lines of which nothing new was learnt, learning ends: it takes longer than reading.
+const FRUITLESS: usize = 1024;
 
 /// The wanted values of the latest row.
 #[derive(Debug)]
@@ -21,12 +23,15 @@ pub(super) struct Chosen {
     forms: Vec<(Form, Vec<usize>)>,
     /// The one that the last line had.
     form: usize,
+    /// From how many lines nothing new was learnt.
+    fruitless: usize,
 }
 
 impl Chosen {
     pub fn new(names: &[Name]) -> Chosen {
         let signals = Signals::new(names);
-        Chosen { values: signals.blank(), signals, seen: vec![false; names.len()], forms: Vec::new(), form: 0 }
+        let seen = vec![false; names.len()];
+        Chosen { values: signals.blank(), signals, seen, forms: Vec::new(), form: 0, fruitless: 0 }
     }
 
     /// Those of the latest row.
@@ -76,18 +81,21 @@ impl Chosen {
         }
     }
 
-    /// Learns the form of a line that was just taken in.
+    /// Learns the form of a line that was just taken in, unless it is known: a line that a buffer cuts in two goes the general way too.
     pub fn learn(&mut self, line: &[u8]) {
-        if self.forms.len() >= FORMS {
+        if self.forms.len() >= FORMS || self.fruitless >= FRUITLESS {
             return;
         }
         self.seen.fill(false);
         let (signals, seen) = (&self.signals, &mut self.seen);
         let slot = |name: &str| signals.slot(name).filter(|slot| !std::mem::replace(&mut seen[*slot], true));
-        if let Some(form) = Form::learn(line, slot) {
-            let absent = (0..self.seen.len()).filter(|slot| !self.seen[*slot]).collect();
-            self.forms.push((form, absent));
-            self.form = self.forms.len() - 1;
+        match Form::learn(line, slot) {
+            Some(form) if self.forms.iter().all(|(known, _)| *known != form) => {
+                let absent = (0..self.seen.len()).filter(|slot| !self.seen[*slot]).collect();
+                self.forms.push((form, absent));
+                self.form = self.forms.len() - 1;
+            }
+            _ => self.fruitless += 1,
         }
     }
 }

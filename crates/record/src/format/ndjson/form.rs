@@ -11,7 +11,7 @@ use crate::decode::scan::{Kind, Scanner};
 use crate::decode::{set_bool, set_number, set_text};
 
 /// What lines of values have in common.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub(super) struct Form {
     /// What stands before each of the holes.
     holes: Vec<(Fixed, Hole)>,
@@ -31,7 +31,7 @@ enum Hole {
 }
 
 /// A text that is the same in every line.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 struct Fixed {
     text: Box<[u8]>,
     /// Its first eight bytes, and which of these it has.
