@@ -198,6 +198,14 @@ pub struct Machine {
     pub alphabet: Option<Vec<usize>>,
 }
 
+impl Machine {
+    /// Its conditions: when it samples, then those of its states, then those of its edges.
+    pub fn conditions(&self) -> impl Iterator<Item = &Expr> {
+        let states = self.states.iter().filter_map(|s| s.when.as_ref());
+        self.sample.iter().chain(states).chain(self.edges.iter().filter_map(|e| e.when.as_ref()))
+    }
+}
+
 /// A state of a [`Machine`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {

@@ -77,6 +77,14 @@ impl<'a> Cx<'a> {
         (value, std::mem::replace(&mut self.found, before))
     }
 
+    /// The same, where what is read on the way is wanted of no recording.
+    pub fn aside<T>(&mut self, read: impl FnOnce(&mut Self) -> T) -> (T, Found) {
+        let spec = self.spec.clone();
+        let read = self.apart(read);
+        self.spec = spec;
+        read
+    }
+
     /// A diagnostic about the place that `env` describes. An error is also the cause why what is being read cannot be judged.
     pub fn report(&mut self, env: &Env, diagnostic: Diagnostic) {
         let diagnostic = env.relocate(diagnostic);

@@ -58,11 +58,9 @@ fn by_itself(cx: &mut Cx, pattern: &Pattern) {
     aside(cx, &env, &pattern.body);
 }
 
-/// Reads an expression for the faults in it; what it reads is wanted of no recording.
+/// Reads an expression for the faults in it.
 fn aside(cx: &mut Cx, env: &Env, expr: &Expr) {
-    let spec = cx.spec.clone();
-    cx.apart(|cx| cx.lower(env, expr));
-    cx.spec = spec;
+    cx.aside(|cx| cx.lower(env, expr));
 }
 
 fn shadows_function(cx: &mut Cx, env: &Env, pattern: &Pattern) {

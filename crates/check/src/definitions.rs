@@ -57,6 +57,11 @@ impl Half {
             Half::Request => "_Request",
         }
     }
+
+    /// The name of the type that this is a half of.
+    pub fn of(self, full: &str) -> Option<&str> {
+        full.strip_suffix(self.suffix())
+    }
 }
 
 /// The types that the reactions and guards of a file write.
@@ -78,7 +83,7 @@ fn written(file: &File) -> Vec<(&TypePath, Half)> {
 
 fn fits(ty: &TypePath, half: Half, full: &str) -> bool {
     let package = ty.package.as_ref().map(|p| p.name.as_str());
-    full.strip_suffix(half.suffix()).is_some_and(|name| is_type(package, &ty.name.name, name))
+    half.of(full).is_some_and(|name| is_type(package, &ty.name.name, name))
 }
 
 impl Definitions {
@@ -94,6 +99,6 @@ impl Definitions {
 
     /// The names of the types that could be meant in place of one, as they would be written.
     pub fn names(&self, half: Half) -> impl Iterator<Item = &str> {
-        self.names.iter().filter_map(move |name| name.strip_suffix(half.suffix()))
+        self.names.iter().filter_map(move |name| half.of(name))
     }
 }

@@ -183,7 +183,8 @@ fn uses_of(names: &Names, item: usize) -> BTreeSet<usize> {
     mentions.found
 }
 
-fn quantifiers(kind: &ItemKind) -> &[ast::ForEach] {
+/// The `for each` of a statement.
+pub(crate) fn quantifiers(kind: &ItemKind) -> &[ast::ForEach] {
     match kind {
         ItemKind::Property(p) => &p.each,
         ItemKind::Definition(d) => &d.each,

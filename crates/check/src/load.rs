@@ -7,7 +7,7 @@ use lapwing_syntax::ast;
 
 use crate::call::is_function;
 use crate::definitions::Definitions;
-use crate::graph::exprs;
+use crate::graph::{exprs, quantifiers};
 use crate::library::LIBRARIES;
 use crate::suggest;
 use crate::walk;
@@ -37,16 +37,10 @@ pub(crate) struct Used {
 impl Loaded {
     /// Whether a property stands under `for each … in topics`: then a trace must tell all of its topics beforehand.
     pub fn runs_over_topics(&self) -> bool {
-        let over_topics = |each: &[ast::ForEach]| each.iter().any(|e| matches!(e.set, ast::EachSet::Topics(_)));
-        self.file.items.iter().any(|item| match &item.kind {
-            ast::ItemKind::Property(property) => over_topics(&property.each),
-            ast::ItemKind::Definition(definition) => over_topics(&definition.each),
-            _ => false,
-        })
+        let mut each = self.file.items.iter().flat_map(|item| quantifiers(&item.kind));
+        each.any(|each| matches!(each.set, ast::EachSet::Topics(_)))
     }
-}
 
-impl Loaded {
     /// Leaves out the shipped patterns that are not called: a library costs only what is used of it. Where a call means nothing that is
     /// known they all stay, for one of them may have been meant.
     fn leave_out_what_nobody_calls(&mut self) {

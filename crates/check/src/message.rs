@@ -61,7 +61,7 @@ fn definition(cx: &mut Cx, env: &Env, ty: &TypePath, half: Half) -> Option<Arc<S
             None
         }
         several => {
-            let names: Vec<String> = several.iter().map(|s| s.name.replace("_Request", "")).collect();
+            let names: Vec<String> = several.iter().map(|s| half.of(&s.name).unwrap_or(&s.name).to_owned()).collect();
             let message = format!("several packages have a message `{}`", ty.name.name);
             let diagnostic = Diagnostic::new(Code::UnknownType, ty.span, message)
                 .label("its fields are not checked")
@@ -76,11 +76,7 @@ fn unknown_type(cx: &mut Cx, env: &Env, ty: &TypePath, half: Half) {
     let name = type_name(ty);
     let guess = match ty.package {
         Some(_) => suggest::nearest(&name, cx.definitions.names(half)),
-        None => {
-            let short = |full: &'_ str| full.rsplit('/').next().map(str::len);
-            let by_short = cx.definitions.names(half).filter_map(|full| Some(&full[full.len() - short(full)?..]));
-            suggest::nearest(&name, by_short)
-        }
+        None => suggest::nearest(&name, cx.definitions.names(half).filter_map(|full| full.rsplit('/').next())),
     };
     let message = format!("no definition of {name} is known{}", suggest::or_else(guess));
     let mut diagnostic = Diagnostic::new(Code::UnknownType, ty.span, message)
@@ -123,10 +119,7 @@ fn record(cx: &mut Cx, env: &Env, fields: &[(Ident, Literal)], ty: &Type, known:
 
 /// A single value. It must be known beforehand, since a reaction has no time to wait for it.
 fn value(cx: &mut Cx, env: &Env, expr: &Expr, ty: &Type, known: Known) {
-    // What is read on the way is not wanted of any recording.
-    let spec = cx.spec.clone();
-    let (lowered, found) = cx.apart(|cx| cx.lower(env, expr).value(cx, env));
-    cx.spec = spec;
+    let (lowered, found) = cx.aside(|cx| cx.lower(env, expr).value(cx, env));
     if found.failed {
         return;
     }

@@ -58,7 +58,7 @@ struct Played {
 pub fn run(demo: &Demo) -> Result<Exit, Complaint> {
     fs::create_dir_all(&demo.dir).map_err(|e| Complaint::new(format!("{}: {e}", demo.dir.display())))?;
     let played = SCENES.iter().map(|scene| play(scene, &demo.dir)).collect::<Result<Vec<Played>, Complaint>>()?;
-    let text = told(&played, styles(demo.color).0) + &closing(&played);
+    let text = told(&played, styles(demo.color).0) + &closing(&played, &demo.dir);
     let page = demo.dir.join("report.html");
     let (said, is_there) = Page::create(&page)?.write(&played.into_iter().map(|p| p.entry).collect::<Vec<Entry>>());
     if !is_there {
@@ -114,7 +114,7 @@ fn told(played: &[Played], style: Style) -> String {
     reports.join("\n") + &end(&tally, Format::Text, style)
 }
 
-fn closing(played: &[Played]) -> String {
+fn closing(played: &[Played], folder: &Path) -> String {
     let Some(Played { scene, spec, trace, .. }) = played.first() else { return String::new() };
     let (spec, trace, scenario) = (spec.display(), trace.display(), scene.scenario);
     let next = [
@@ -128,12 +128,7 @@ fn closing(played: &[Played]) -> String {
     let lines = next.iter().map(|(command, what)| format!("  lapwing {command:<width$}   {what}\n"));
     format!(
         "\nRecordings and specifications are in {}; Foxglove opens the recordings. What to try next:\n{}",
-        folder(played),
+        folder.display(),
         lines.collect::<String>()
     )
-}
-
-fn folder(played: &[Played]) -> String {
-    let folder = played.first().and_then(|p| p.trace.parent());
-    folder.map(|f| f.display().to_string()).unwrap_or_default()
 }

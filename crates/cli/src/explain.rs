@@ -9,7 +9,7 @@ use lapwing::{Options, Spec};
 use lapwing_diag::Code;
 
 use crate::args::{self, Explain};
-use crate::complain::{Complaint, say, styles};
+use crate::complain::{Complaint, nearest, say, styles};
 use crate::exit::Exit;
 use crate::library;
 use crate::words;
@@ -36,11 +36,10 @@ fn code(name: &str) -> Result<String, Complaint> {
     let complaint = Complaint::new(format!(
         "`{name}` is neither a specification (*.rv) nor a pattern library (std.*) nor a diagnostic code"
     ));
-    let near = Code::ALL.iter().map(|c| (strsim::damerau_levenshtein(name, c.name()), c.name())).min();
-    Err(match near {
-        Some((far, near)) if far <= 1 + name.len() / 4 => complaint.help(format!("did you mean `{near}`?")),
-        _ => complaint.help("a code is the word in brackets of a message: `error[unknown-name]`"),
-    })
+    Err(complaint.help(match nearest(name, Code::ALL.iter().map(|c| c.name())) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => "a code is the word in brackets of a message: `error[unknown-name]`".to_owned(),
+    }))
 }
 
 fn specification(arguments: &Explain) -> Result<String, Complaint> {

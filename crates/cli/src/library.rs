@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use lapwing::{LIBRARIES, Library, ShippedPattern};
 
-use crate::complain::Complaint;
+use crate::complain::{Complaint, nearest};
 
 /// What a library offers (`std.robot`), or what one of its patterns means (`std.robot.tracks`).
 pub fn page(name: &str) -> Result<String, Complaint> {
@@ -22,10 +22,9 @@ pub fn page(name: &str) -> Result<String, Complaint> {
 }
 
 fn missing(what: String, name: &str, names: &[&str]) -> Complaint {
-    let near = names.iter().map(|n| (strsim::damerau_levenshtein(name, n), n)).min();
-    Complaint::new(what).help(match near {
-        Some((far, near)) if far <= 1 + name.len() / 4 => format!("did you mean `{near}`?"),
-        _ => format!("there is {}", names.join(", ")),
+    Complaint::new(what).help(match nearest(name, names.iter().copied()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!("there is {}", names.join(", ")),
     })
 }
 

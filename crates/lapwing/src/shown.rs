@@ -274,9 +274,7 @@ impl Gather<'_> {
             let e = Expr { kind, ty: Type::Bool, dim: Default::default(), span: place.span };
             self.walk(&e, place);
         }
-        let states = machine.states.iter().filter_map(|s| s.when.as_ref());
-        let edges = machine.edges.iter().filter_map(|e| e.when.as_ref());
-        machine.sample.iter().chain(states).chain(edges).for_each(|e| self.walk(e, place));
+        machine.conditions().for_each(|e| self.walk(e, place));
     }
 
     /// The text of an expression on one line, as written; what a pattern brought has none of its own there.

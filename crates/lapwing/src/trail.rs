@@ -54,10 +54,7 @@ fn is_aged(meaning: &checked::Spec, property: &checked::Property) -> bool {
         checked::Body::Formula(formula) => Some(formula),
         _ => None,
     };
-    let machines = meaning.machines.iter().flat_map(|m| {
-        let states = m.states.iter().filter_map(|s| s.when.as_ref());
-        m.sample.iter().chain(states).chain(m.edges.iter().filter_map(|e| e.when.as_ref()))
-    });
+    let machines = meaning.machines.iter().flat_map(checked::Machine::conditions);
     formula.into_iter().chain(machines).any(has_age)
 }
 

@@ -20,7 +20,7 @@ pub struct Entry {
     pub(crate) names: Vec<String>,
     /// What came of it.
     pub(crate) standing: Standing,
-    /// Its own part of the page, a heading of this level at its top.
+    /// Its own part of the page, as HTML.
     pub(crate) article: String,
     /// What its charts draw.
     pub(crate) data: String,

@@ -3,7 +3,7 @@
 use lapwing_engine::program::{self as engine, AgeFlips};
 use lapwing_stream::Duration;
 
-use super::{below, machine_exprs};
+use super::below;
 use crate::checked::{self, Clock, EventSource, Expr, Kind};
 use crate::constant::constant;
 
@@ -32,7 +32,7 @@ fn of_event(spec: &checked::Spec, event: usize) -> Vec<AgeFlips> {
 /// The flips that make instants for a machine.
 pub(crate) fn of_machine(spec: &checked::Spec, machine: &checked::Machine) -> Vec<AgeFlips> {
     let mut flips = Vec::new();
-    for e in machine_exprs(machine) {
+    for e in machine.conditions() {
         merge(&mut flips, of_expr(spec, e));
     }
     let events = machine.states.iter().filter_map(|s| s.on).chain(machine.edges.iter().filter_map(|e| e.on));

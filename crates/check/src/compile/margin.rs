@@ -11,13 +11,11 @@ use crate::checked::{Connective, Expr, Kind, Scope};
 impl GroupLowering {
     /// Lowers the margin of a property, where it has one: not where operands of different dimensions are compared, since what is
     /// compared with what could not be compared with the rest. The formula itself has been lowered before.
-    pub fn margin(&mut self, property: usize, formula: &Expr) {
+    pub fn margin(&mut self, property: usize, formula: &Expr, counters: &mut u32) {
         if !is_of_one_dimension(formula) {
             return;
         }
-        // Counters of comparisons were given out when the formula was lowered: all of it is there already.
-        let mut none = u32::MAX / 2;
-        let lowering = self.expressions.resume(&mut none);
+        let lowering = self.expressions.resume(counters);
         let plan = Plan { property, ops: Vec::new(), least: Vec::new(), columns: Vec::new(), duties: Vec::new() };
         let mut margin = Margin { lowering, plan };
         let is_whole = margin.top(formula).is_some();

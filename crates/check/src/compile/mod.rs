@@ -82,18 +82,12 @@ fn topics(spec: &checked::Spec) -> Vec<engine::Topic> {
 
 /// Visits every expression of the specification, and all below it.
 fn for_each_expr(spec: &checked::Spec, visit: &mut impl FnMut(&Expr)) {
-    let machines = spec.machines.iter().flat_map(machine_exprs);
+    let machines = spec.machines.iter().flat_map(checked::Machine::conditions);
     let properties = spec.properties.iter().filter_map(|p| match &p.body {
         Body::Formula(f) => Some(f),
         _ => None,
     });
     machines.chain(properties).for_each(|e| below(e, visit));
-}
-
-/// The conditions of a machine.
-fn machine_exprs(machine: &checked::Machine) -> impl Iterator<Item = &Expr> {
-    let states = machine.states.iter().filter_map(|s| s.when.as_ref());
-    states.chain(machine.sample.as_ref()).chain(machine.edges.iter().filter_map(|e| e.when.as_ref()))
 }
 
 /// Visits an expression and all below it.
@@ -204,7 +198,7 @@ impl<'a> Grouping<'a> {
                 let into = &mut self.lowered[group];
                 lowered.counters = into.property(number, formula, &mut self.counters);
                 lowered.scopes = into.looks(number, formula);
-                into.margin(number, formula);
+                into.margin(number, formula, &mut self.counters);
             }
         }
         lowered
@@ -261,7 +255,7 @@ fn topics_of(spec: &checked::Spec, property: &checked::Property) -> Vec<usize> {
     };
     match &property.body {
         Body::Formula(formula) => below(formula, &mut events),
-        Body::Machine(machine) => machine_exprs(&spec.machines[*machine]).for_each(|e| below(e, &mut events)),
+        Body::Machine(machine) => spec.machines[*machine].conditions().for_each(|e| below(e, &mut events)),
         Body::None => {}
     }
     topics.sort_unstable();
@@ -299,7 +293,7 @@ fn stale(spec: &checked::Spec, property: &checked::Property) -> Vec<engine::Sile
         Body::Machine(machine) => std::slice::from_ref(machine),
         Body::None => &[],
     };
-    machines.iter().flat_map(|&m| machine_exprs(&spec.machines[m])).for_each(|e| below(e, &mut visit));
+    machines.iter().flat_map(|&m| spec.machines[m].conditions()).for_each(|e| below(e, &mut visit));
     stale
 }
 

@@ -131,10 +131,8 @@ pub(crate) fn event_named(cx: &mut Cx, env: &Env, name: &ast::Ident) -> Option<u
 }
 
 fn uses_of(cx: &Cx, machine: &Machine) -> Uses {
-    let states = machine.states.iter().filter_map(|s| s.when.as_ref());
-    let edges = machine.edges.iter().filter_map(|e| e.when.as_ref());
     let mut uses = Uses::default();
-    for expr in machine.sample.iter().chain(states).chain(edges) {
+    for expr in machine.conditions() {
         uses.add(&cx.spec.inputs, &cx.machines, expr);
     }
     uses.events.extend(machine.states.iter().filter_map(|s| s.on));

@@ -16,10 +16,6 @@ class TimeWindow {
     return this.range[1] - this.range[0];
   }
 
-  get isWhole() {
-    return this.range[0] <= this.whole[0] && this.range[1] >= this.whole[1];
-  }
-
   set(from, to) {
     const [first, last] = this.whole;
     const span = Math.min(Math.max(to - from, NARROWEST), last - first);

@@ -11,7 +11,7 @@ use crate::fault::Order;
 
 /// A run takes no longer, in seconds: a day.
 const LONGEST: f64 = 86_400.0;
-/// No scenario has more robots, objects, points or lines of a script.
+/// No scenario has more robots and objects, nor more scattered posts.
 const MOST: usize = 1000;
 
 pub(super) fn check(name: &str, text: &str, file: &File) -> Result<(), ScenarioError> {
