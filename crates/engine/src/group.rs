@@ -8,7 +8,7 @@ use lapwing_stream::{Time, Value};
 use serde::{Deserialize, Serialize};
 
 use crate::future::{Decided, Graph, Moment, Segment, step_segments};
-use crate::inputs::Inputs;
+use crate::inputs::{Due, Inputs};
 use crate::margin::Margins;
 use crate::node::View;
 use crate::outcome::{Observer, Output};
@@ -32,7 +32,9 @@ pub(crate) struct Core {
     pub trackers: Vec<TrackerState>,
     looks: Vec<LookState>,
     pub positions: u64,
-    /// How many instants there were when it had stepped last.
+    /// Whether positions at which nothing is due need only be counted from now on.
+    rests: bool,
+    /// How many instants have been looked at, or made up for.
     stepped: u64,
     /// The number of faults that have spoilt what stands on them.
     spoilt_by: usize,
@@ -53,6 +55,7 @@ impl Core {
             trackers: plan.trackers.iter().map(|_| TrackerState::default()).collect(),
             looks: plan.looks.iter().map(LookState::new).collect(),
             positions: 0,
+            rests: false,
             stepped: 0,
             spoilt_by: 0,
             overflowed: false,
@@ -63,6 +66,7 @@ impl Core {
     /// Computes margins as well, from now on.
     pub fn measure(&mut self, plan: &Group, inputs: &Inputs, limit: usize) {
         let view = self.walk.view(here(plan, inputs, 0, &self.key));
+        self.rests = false;
         self.margins = Some(Box::new(Margins::new(&plan.margins, limit, view)));
     }
 
@@ -74,48 +78,113 @@ impl Core {
     /// Before when the group rests as long as no signal changes: its operators keep their values, and its positions need only be
     /// counted. [`NOW`] where it does not.
     #[inline]
-    pub fn rests_until(&self, plan: &Group) -> i64 {
-        if plan.rests && self.walk.started && self.margins.is_none() { self.walk.quiet_until() } else { NOW }
+    pub fn rests_until(&self) -> i64 {
+        if self.rests { self.walk.quiet_until() } else { NOW }
     }
 
-    /// Makes up for the instants at which the group rested: of `instants` in all until now, the last at `last`.
+    /// Counts the instants that were not looked at, of `instants` in all until now, the last at `last`: at each of them the verdicts were
+    /// what they are.
     #[inline]
-    pub fn wake(&mut self, plan: &Group, instants: u64, last: i64) {
-        let rested = instants - self.stepped;
-        self.stepped = instants + 1;
-        if rested > 0 && plan.rests {
-            self.make_up_for(plan, rested, last);
+    pub fn catch_up(&mut self, plan: &Group, instants: u64, last: i64) {
+        if plan.rests && instants > self.stepped {
+            self.make_up_for(plan, instants - self.stepped, last, self.walk.word());
         }
+        self.stepped = instants;
     }
 
-    fn make_up_for(&mut self, plan: &Group, positions: u64, last: i64) {
+    #[inline(never)]
+    fn make_up_for(&mut self, plan: &Group, positions: u64, last: i64, word: u64) {
         let from = self.positions;
         self.positions += positions;
-        self.walk.last = Some(last);
         for (state, tracker) in self.trackers.iter_mut().zip(&plan.trackers) {
             if let (Judged::State(formula), At::All) = (tracker.formula, tracker.at) {
-                state.judge_rest(self.walk.registers.bit(formula), (from, self.positions - 1), last);
+                state.judge_rest(formula.in_word(word), (from, self.positions - 1), last);
             }
         }
     }
 
-    /// An instant: a position, if it is one for this group.
+    /// The instant after `instants` others, the last of them at `last`: a position, if it is one for this group. Gives what
+    /// [`Core::rests_until`] says then.
     #[inline(always)]
-    pub fn step(&mut self, plan: &Group, inputs: &Inputs, due: u64, now: i64, limit: usize, tell: &mut impl Observer) {
+    pub fn step(
+        &mut self,
+        plan: &Group,
+        inputs: &Inputs,
+        due: Due,
+        when: (i64, u64, i64),
+        limit: usize,
+        tell: &mut impl Observer,
+    ) -> i64 {
+        let (now, instants, last) = when;
         // PERF: the way of most properties of robots, and of nearly all of their instants, without what only others need.
-        if plan.rests && self.walk.started && self.margins.is_none() {
-            self.walk.run(here(plan, inputs, now, &[]), due);
-            self.positions += 1;
-            self.spoil(plan);
-            self.judge(plan, inputs, now, tell);
-        } else {
-            self.step_any(plan, inputs, due, now, limit, tell);
+        if self.rests
+            && let Some(alphabet) = plan.alphabet()
+            && let Some(changed) = self.walk.glide(&plan.at, alphabet, due.letter, now, last)
+        {
+            if changed & plan.verdicts != 0 {
+                let word = self.walk.word() ^ changed;
+                self.turn(plan, inputs, when, word, tell);
+            }
+            return self.walk.alarm();
         }
+        if self.rests {
+            self.step_resting(plan, inputs, due.ops, when, tell);
+        } else {
+            self.stepped = instants + 1;
+            self.step_any(plan, inputs, due.ops, now, limit, tell);
+        }
+        self.rests_until()
     }
 
     #[inline(never)]
-    fn step_any(&mut self, plan: &Group, inputs: &Inputs, due: u64, now: i64, limit: usize, tell: &mut impl Observer) {
+    fn step_resting(
+        &mut self,
+        plan: &Group,
+        inputs: &Inputs,
+        due: u64,
+        when: (i64, u64, i64),
+        tell: &mut impl Observer,
+    ) {
+        let word = self.walk.word();
+        self.walk.last = Some(when.2);
+        self.walk.run(here(plan, inputs, when.0, &[]), due);
+        let is_same = (word ^ self.walk.word()) & plan.verdicts == 0;
+        if !is_same || self.spoilt_by != self.walk.faults.len() {
+            self.turn(plan, inputs, when, word, tell);
+        }
+    }
+
+    /// A position at which a verdict changes; until it the registers' `word` held.
+    #[inline(never)]
+    fn turn(
+        &mut self,
+        plan: &Group,
+        inputs: &Inputs,
+        (now, instants, last): (i64, u64, i64),
+        word: u64,
+        tell: &mut impl Observer,
+    ) {
+        if instants > self.stepped {
+            self.make_up_for(plan, instants - self.stepped, last, word);
+        }
+        self.stepped = instants + 1;
+        self.positions += 1;
+        self.spoil(plan);
+        self.judge(plan, inputs, now, tell);
+    }
+
+    #[inline(never)]
+    pub fn step_any(
+        &mut self,
+        plan: &Group,
+        inputs: &Inputs,
+        due: u64,
+        now: i64,
+        limit: usize,
+        tell: &mut impl Observer,
+    ) {
         let is_position = self.walk.enter(here(plan, inputs, now, &self.key), due);
+        self.rests = plan.rests && self.walk.started && self.margins.is_none();
         self.spoil(plan);
         if self.margins.is_some() {
             self.measure_step(plan, inputs, now, is_position);

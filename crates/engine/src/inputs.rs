@@ -15,8 +15,8 @@ pub struct Inputs {
     pub(crate) slots: Vec<Value>,
     /// How often each signal got a value; empty where nothing asks for it.
     pub(crate) versions: Vec<u64>,
-    /// Per group, the operators that read a signal that changed since the group stepped last, as bits.
-    pub(crate) due: Vec<u64>,
+    /// Per group, what signals that changed since the group stepped last made due.
+    pub(crate) due: Vec<Due>,
     /// Whether there may be any.
     pub(crate) woken: bool,
     /// Whether this instant has events or messages, which end with it.
@@ -27,6 +27,15 @@ pub struct Inputs {
     pub(crate) machines: Vec<Option<usize>>,
     /// Whether a machine met a value of another kind than it needs, so that nobody knows where it stands.
     pub(crate) lost: Vec<bool>,
+}
+
+/// What changed signals made due in a group.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Due {
+    /// The operators that read them, as bits.
+    pub ops: u64,
+    /// The letter that they make for the group's automaton, with [`Wake::NO_LETTER`] where they make none.
+    pub letter: u32,
 }
 
 /// What is known of a topic.
@@ -81,7 +90,7 @@ impl Inputs {
         Inputs {
             slots: program.slots.iter().map(|s| s.default.clone().unwrap_or_default()).collect(),
             versions: alloc::vec![0; if program.counts_values() { program.slots.len() } else { 0 }],
-            due: alloc::vec![0; program.groups.len()],
+            due: alloc::vec![Due::default(); program.groups.len()],
             woken: false,
             stirred: false,
             topics: alloc::vec![TopicState::default(); program.topics.len()],
@@ -95,9 +104,9 @@ impl Inputs {
     #[inline]
     pub(crate) fn set(&mut self, program: &Program, slot: usize, value: &Value) {
         let (Some(to), Some(plan)) = (self.slots.get_mut(slot), program.slots.get(slot)) else { return };
-        if put(to, value) {
+        if !is_latest(to, value) {
             self.woken = true;
-            wake(&mut self.due, &plan.wakes);
+            change(to, value, &mut self.due, &plan.wakes);
         }
         if let Some(version) = self.versions.get_mut(slot)
             && !matches!(value, Value::Missing)
@@ -112,10 +121,10 @@ impl Inputs {
         let slots = &mut self.slots[..];
         for column in columns {
             if let (Some(to), Some(value)) = (slots.get_mut(column.slot), cells.get(column.cell))
-                && put(to, value)
+                && !is_latest(to, value)
             {
                 self.woken = true;
-                wake(&mut self.due, &column.wakes);
+                change(to, value, &mut self.due, &column.wakes);
             }
         }
         if !self.versions.is_empty() {
@@ -200,23 +209,36 @@ impl Inputs {
     }
 }
 
-/// Makes what reads a signal due.
+/// Stores another value, and makes due what reads it.
 #[inline]
-fn wake(due: &mut [u64], wakes: &[Wake]) {
-    wakes.iter().for_each(|wake| due[wake.group] |= wake.ops);
-}
-
-/// Stores a value unless it is missing. Returns whether that changed something.
-// PERF: scalars of the same kind first, for they are nearly all there is.
-#[inline]
-fn put(to: &mut Value, value: &Value) -> bool {
-    match (&mut *to, value) {
-        (Value::Bool(to), Value::Bool(from)) => core::mem::replace(to, *from) != *from,
-        (Value::Num(to), Value::Num(from)) => core::mem::replace(to, *from).to_bits() != from.to_bits(),
-        (_, Value::Missing) => false,
-        (to, from) => {
-            to.clone_from(from);
+fn change(to: &mut Value, value: &Value, due: &mut [Due], wakes: &[Wake]) {
+    let toggles = match (&mut *to, value) {
+        (Value::Bool(to), Value::Bool(from)) => {
+            *to = *from;
             true
         }
+        (to, from) => {
+            to.clone_from(from);
+            false
+        }
+    };
+    for wake in wakes {
+        let due = &mut due[wake.group];
+        due.ops |= wake.ops;
+        // What toggled twice is where it was; what has no letter stays so.
+        let has_letter = toggles && wake.letter != Wake::NO_LETTER;
+        due.letter = if has_letter { due.letter ^ wake.letter } else { Wake::NO_LETTER };
+    }
+}
+
+/// Whether a value is what is there already, or missing. Anything but a scalar is taken for something else.
+// PERF: scalars of the same kind first, for they are nearly all there is.
+#[inline]
+fn is_latest(there: &Value, value: &Value) -> bool {
+    match value {
+        Value::Bool(value) => matches!(there, Value::Bool(there) if there == value),
+        Value::Num(value) => matches!(there, Value::Num(there) if there.to_bits() == value.to_bits()),
+        Value::Missing => true,
+        _ => false,
     }
 }

@@ -25,6 +25,7 @@ extern crate alloc;
 
 pub mod program;
 
+mod automaton;
 pub mod feed;
 mod functions;
 mod future;

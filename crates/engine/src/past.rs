@@ -49,7 +49,7 @@ pub(crate) enum Memory {
 }
 
 /// No stamp.
-const NEVER: i64 = i64::MIN;
+pub(crate) const NEVER: i64 = i64::MIN;
 
 /// When an operator is due again that is due at the very next position. [`i64::MAX`] stands for an operator that only its operands make
 /// due.

@@ -34,7 +34,7 @@ pub(crate) struct Piece {
     /// The next instant of a rate.
     pub(crate) tick: u64,
     pub(crate) instants: u64,
-    /// Before this time nothing happens by itself, and nothing times out.
+    /// Before this time nothing happens by itself, and nothing times out; [`i64::MAX`] if nothing ever does.
     quiet_until: i64,
     /// Whether anything ever does.
     is_timed: bool,
@@ -64,7 +64,7 @@ impl Piece {
             last_instant: i64::MIN,
             tick: 0,
             instants: 0,
-            quiet_until: i64::MIN,
+            quiet_until: if is_timed(program) { i64::MIN } else { i64::MAX },
             calm_until: NOW,
             is_timed: is_timed(program),
             stale: alloc::vec![None; program.properties.len()],
@@ -129,7 +129,9 @@ impl Piece {
                 self.instant(program, now, tell);
             }
         }
-        self.quiet_until = if self.is_timed { self.look_ahead(program) } else { i64::MAX };
+        if self.is_timed {
+            self.quiet_until = self.look_ahead(program);
+        }
     }
 
     /// Finds out until when nothing happens by itself, and nothing times out.
@@ -217,7 +219,7 @@ impl Piece {
                     core.walk.pass_flips(&plan.at, at);
                     if is_new {
                         core.advance(plan, &self.inputs, at, tell);
-                        core.step(plan, &self.inputs, self.inputs.due[number], at, program.open_limit, tell);
+                        core.step_any(plan, &self.inputs, self.inputs.due[number].ops, at, program.open_limit, tell);
                     }
                 }
             }
@@ -241,22 +243,31 @@ impl Piece {
     /// The machines and the groups take an instant in, but for those that rest.
     #[inline(never)]
     fn step(&mut self, program: &Program, now: i64, tell: &mut impl Observer) {
-        for (i, (memory, plan)) in self.machines.iter_mut().zip(&program.machines).enumerate() {
-            memory.step(plan, i, &mut self.inputs, now, tell);
+        let mut calm_until = i64::MAX;
+        if !self.machines.is_empty() {
+            self.step_machines(program, now, tell);
+            calm_until = NOW;
         }
         self.inputs.woken = false;
-        let mut calm_until = if program.machines.is_empty() { i64::MAX } else { NOW };
+        let when = (now, self.instants, self.last_instant);
         for (number, (instances, plan)) in self.groups.iter_mut().zip(&program.groups).enumerate() {
             let due = core::mem::take(&mut self.inputs.due[number]);
             for core in &mut instances.cores {
-                if due != 0 || now >= core.rests_until(plan) {
-                    core.wake(plan, self.instants, self.last_instant);
-                    core.step(plan, &self.inputs, due, now, program.open_limit, tell);
+                let mut rests_until = core.rests_until();
+                if due.ops != 0 || now >= rests_until {
+                    rests_until = core.step(plan, &self.inputs, due, when, program.open_limit, tell);
                 }
-                calm_until = calm_until.min(core.rests_until(plan));
+                calm_until = calm_until.min(rests_until);
             }
         }
         self.calm_until = calm_until;
+    }
+
+    #[inline(never)]
+    fn step_machines(&mut self, program: &Program, now: i64, tell: &mut impl Observer) {
+        for (i, (memory, plan)) in self.machines.iter_mut().zip(&program.machines).enumerate() {
+            memory.step(plan, i, &mut self.inputs, now, tell);
+        }
     }
 
     /// The outcome of every property.
@@ -274,7 +285,7 @@ impl Piece {
         }
         for (instances, plan) in self.groups.iter_mut().zip(&program.groups) {
             for core in &mut instances.cores {
-                core.wake(plan, self.instants, self.last_instant);
+                core.catch_up(plan, self.instants, self.last_instant);
                 core.end(plan, &self.inputs, last);
                 if tell.wants_margins() {
                     core.tell_late_margins(plan, last, tell);

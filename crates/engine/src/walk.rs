@@ -7,10 +7,11 @@ use alloc::vec::Vec;
 
 use serde::{Deserialize, Serialize};
 
+use crate::automaton::{Automaton, bits, expired};
 use crate::inputs::Inputs;
 use crate::node::{Notes, View};
 use crate::past::{self, Here, Memory, NOW, Registers, Scene};
-use crate::program::{Positions, Wiring};
+use crate::program::{Alphabet, Positions, Wiring};
 
 /// Where a machine or a group stands in its positions.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -31,6 +32,9 @@ pub(crate) struct Walk {
     pub notes: Notes,
     /// The operators that met a value of another kind than they need: what they say from then on means nothing.
     pub faults: Vec<usize>,
+    /// The operators as an automaton, where they are one.
+    #[serde(skip)]
+    automaton: Automaton,
     /// For each comparison of an age: the message that its flips count from, and the next flip.
     flips: Vec<(Option<i64>, usize)>,
 }
@@ -57,6 +61,7 @@ impl Walk {
             alarm: i64::MAX,
             notes: Notes::new(counters),
             faults: Vec::new(),
+            automaton: Automaton::default(),
             flips: alloc::vec![(None, 0); at.ages.len()],
         }
     }
@@ -90,38 +95,90 @@ impl Walk {
     #[inline]
     pub fn run(&mut self, here: Here<'_>, due: u64) {
         match &here.at.wiring {
-            Some(wiring) if self.last.is_some() => self.run_due(here, wiring, due),
+            Some(wiring) if let Some(before) = self.last => self.run_due(here, wiring, before, due),
             _ => self.run_all(here),
         }
         self.last = Some(here.now);
     }
 
+    /// Takes a position in by a move of the automaton that is known. Gives the registers that change, or nothing where there is more to do;
+    /// then nothing has changed.
+    ///
+    /// The position before is the instant before, at `before`.
+    // PERF: the signals of most logical formulas are truth values, and most of their moves have been made before.
+    #[inline(always)]
+    pub fn glide(&mut self, at: &Positions, alphabet: &Alphabet, letter: u32, now: i64, before: i64) -> Option<u64> {
+        if self.again != 0 || now.wrapping_sub(before) > alphabet.shortest {
+            return None;
+        }
+        let Walk { automaton, memories, alarm, .. } = self;
+        if now >= *alarm && expired(alphabet, &at.ops, memories, (now, before), alarm) != 0 {
+            return None;
+        }
+        let made = automaton.known(alphabet, letter)?;
+        made.leave_marks(&at.ops, memories, before, alarm);
+        let (word, to) = (made.word, made.to);
+        automaton.stand(to);
+        let old = core::mem::replace(&mut self.registers.bits[0], word);
+        Some(old ^ word)
+    }
+
     /// Runs what is due. All truth values are in one word.
     #[inline]
-    fn run_due(&mut self, here: Here<'_>, wiring: &Wiring, due: u64) {
-        let mut due = due | self.again | wiring.always;
-        if here.now >= self.alarm {
-            due |= wiring.timed;
-            self.alarm = i64::MAX;
-        }
+    fn run_due(&mut self, here: Here<'_>, wiring: &Wiring, before: i64, due: u64) {
+        let due = due | core::mem::take(&mut self.again) | wiring.always;
+        let old = self.registers.bits[0];
+        // What reads nothing but signals comes first; nothing else decides what is due then.
+        let leaves = self.sweep(here, old, due & wiring.leaves, |_| 0);
+        self.registers.bits[0] = match &wiring.alphabet {
+            Some(alphabet) => self.go(here, alphabet, before, (old, leaves)),
+            None => {
+                let mut due = due & !wiring.leaves;
+                if here.now >= self.alarm {
+                    due |= wiring.timed;
+                    self.alarm = i64::MAX;
+                }
+                due |= bits(old ^ leaves).fold(0, |all, leaf| all | wiring.readers[leaf]);
+                self.sweep(here, leaves, due, |changed| wiring.readers[changed])
+            }
+        };
+    }
+
+    /// What the automaton makes of a position at which the leaves are as in `leaves`, the registers having been `old`.
+    #[inline(never)]
+    fn go(&mut self, here: Here<'_>, alphabet: &Alphabet, before: i64, (old, leaves): (u64, u64)) -> u64 {
+        let Walk { automaton, memories, alarm, .. } = self;
+        let ops = &here.at.ops[..];
+        let over = expired(alphabet, ops, memories, (here.now, before), alarm);
+        let known = automaton.known(alphabet, alphabet.letter(old ^ leaves)).filter(|_| over == 0).copied();
+        let made = known.unwrap_or_else(|| automaton.make(alphabet, ops, memories, (old, leaves), over));
+        made.leave_marks(ops, memories, before, alarm);
+        automaton.stand(made.to);
+        made.word
+    }
+
+    /// Evaluates operators in their order; `follow` tells which others the change of one makes due. Gives the word of all registers then.
+    #[inline(always)]
+    fn sweep(&mut self, here: Here<'_>, mut word: u64, mut due: u64, follow: impl Fn(usize) -> u64) -> u64 {
         let (ops, slots, times) = (&here.at.ops[..], &here.inputs.slots[..], (here.now, self.last));
-        let (mut word, mut alarm, mut again) = (self.registers.bits[0], self.alarm, 0);
+        let mut alarm = self.alarm;
         while due != 0 {
             let i = due.trailing_zeros() as usize;
             due &= due - 1;
             let quick = past::quick(&ops[i], &mut self.memories[i], slots, times, &mut alarm, |of| of.in_word(word));
             let bit = quick.unwrap_or_else(|| {
                 let (bit, next) = self.step(i, word, here);
-                again |= u64::from(next == NOW) << i;
+                self.again |= u64::from(next == NOW) << i;
                 alarm = if next == NOW { alarm } else { alarm.min(next) };
                 bit
             });
-            let changed = ((word >> i) & 1) ^ u64::from(bit);
-            word ^= changed << i;
-            due |= wiring.readers[i] & changed.wrapping_neg();
+            if ((word >> i) & 1 == 1) != bit {
+                word ^= 1 << i;
+                due |= follow(i);
+            }
         }
-        (self.again, self.alarm) = (again, alarm);
-        self.registers.bits[0] = word;
+        self.alarm = alarm;
+        word
     }
 
     /// Evaluates an operator that is not quick.
@@ -149,6 +206,18 @@ impl Walk {
                 next => *alarm = (*alarm).min(next),
             }
         }
+    }
+
+    /// The truth values of the first sixty-four operators.
+    #[inline]
+    pub fn word(&self) -> u64 {
+        self.registers.bits[0]
+    }
+
+    /// The first time at which a bound may run out.
+    #[inline]
+    pub fn alarm(&self) -> i64 {
+        self.alarm
     }
 
     /// Before when nothing is due as long as no signal changes.

@@ -24,6 +24,8 @@ pub struct Group {
     /// Whether its positions need only be counted while none of its signals changes, until a bound runs out. [`Program::link`](super::Program::link)
     /// fills it.
     pub rests: bool,
+    /// The operators whose truth values are verdicts, as bits, where it rests. [`Program::link`](super::Program::link) fills it.
+    pub verdicts: u64,
 }
 
 impl Group {

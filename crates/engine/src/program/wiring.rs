@@ -2,7 +2,9 @@
 
 use alloc::vec::Vec;
 
-use super::{At, Group, Node, NodeId, Op, Positions, Program};
+use crate::automaton::bits;
+
+use super::{At, Group, Judged, Node, NodeId, Op, Positions, Program, Tracker};
 
 /// So many operators have a bit each. Where there are more, all of them run at every position.
 const BITS: usize = u64::BITS as usize;
@@ -16,7 +18,30 @@ pub struct Wiring {
     pub always: u64,
     /// Those of which a bound may run out.
     pub timed: u64,
+    /// Those that read nothing but signals.
+    pub leaves: u64,
+    /// How the others follow from the leaves, where they are an automaton.
+    pub alphabet: Option<Alphabet>,
 }
+
+/// What the automaton of some positions reads, where all operators but its leaves are `and`, `iff`, or `once` and `since` whose bounds begin
+/// where they stand.
+#[derive(Clone, Debug, Default)]
+pub struct Alphabet {
+    /// The operators that read signals, as bits.
+    pub leaves: u64,
+    /// For each operator its bit in a letter, zero for those that are no leaves.
+    pub places: Vec<u8>,
+    /// How many leaves there are: a letter has a bit for each.
+    pub width: usize,
+    /// The bounded operators, as bits.
+    pub timed: u64,
+    /// The shortest of their bounds: between positions that lie no further apart none runs out unheard.
+    pub shortest: i64,
+}
+
+/// More leaves make too many letters.
+const LETTERS: usize = 6;
 
 /// Operators of a group that read a signal.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +50,13 @@ pub struct Wake {
     pub group: usize,
     /// The operators, as bits.
     pub ops: u64,
+    /// The letter that the signal makes where it is a truth value and changes: of the operators that are nothing but the signal.
+    pub letter: u32,
+}
+
+impl Wake {
+    /// No letter tells what a change of the signal does. No move has it, whatever toggles beside.
+    pub const NO_LETTER: u32 = 1 << 31;
 }
 
 impl Program {
@@ -36,11 +68,13 @@ impl Program {
             let wired = wire(&group.at);
             for (slot, ops) in wired.iter().flat_map(|w| w.slots.iter().copied()) {
                 if let Some(slot) = self.slots.get_mut(slot) {
-                    slot.wakes.push(Wake { group: number, ops });
+                    let letter = wired.as_ref().map_or(Wake::NO_LETTER, |wired| wired.letter(&group.at, ops));
+                    slot.wakes.push(Wake { group: number, ops, letter });
                 }
             }
             group.at.wiring = wired.map(|w| w.wiring);
             group.rests = group.may_rest();
+            group.verdicts = if group.rests { group.verdicts() } else { 0 };
         }
         for column in &mut self.columns {
             column.wakes = self.slots.get(column.slot).map(|slot| slot.wakes.clone()).unwrap_or_default();
@@ -56,6 +90,21 @@ impl Program {
 }
 
 impl Group {
+    /// What its automaton reads, where its operators are one.
+    #[inline]
+    pub(crate) fn alphabet(&self) -> Option<&Alphabet> {
+        self.at.wiring.as_ref()?.alphabet.as_ref()
+    }
+
+    /// The operators that trackers judge, of those that have a bit.
+    fn verdicts(&self) -> u64 {
+        let of = |tracker: &Tracker| match tracker.formula {
+            Judged::State(formula) => 1_u64.checked_shl(formula.register() as u32).unwrap_or(0),
+            Judged::Future(_) => 0,
+        };
+        self.trackers.iter().fold(0, |all, tracker| all | of(tracker))
+    }
+
     /// Whether, where no operator is due, a position need only be counted.
     fn may_rest(&self) -> bool {
         let untimed = self.at.alphabet.is_none() && self.at.ages.is_empty() && self.at.slices.is_empty();
@@ -81,10 +130,52 @@ fn wire(at: &Positions) -> Option<Wired> {
     for (i, op) in at.ops.iter().enumerate() {
         wired.op(at, 1 << i, op);
     }
+    let inner = wired.wiring.readers.iter().fold(0, |all, readers| all | readers);
+    wired.wiring.leaves = expressions(at) & !inner;
+    wired.wiring.alphabet = alphabet(at, &wired.wiring);
     Some(wired)
 }
 
+/// The operators without a memory that may read signals.
+fn expressions(at: &Positions) -> u64 {
+    let reads = |op: &Op| matches!(op, Op::Slot { .. } | Op::Holds(_));
+    at.ops.iter().enumerate().filter(|(_, op)| reads(op)).fold(0, |all, (i, _)| all | (1 << i))
+}
+
+/// The alphabet, where the operators make an automaton.
+fn alphabet(at: &Positions, wiring: &Wiring) -> Option<Alphabet> {
+    let width = wiring.leaves.count_ones() as usize;
+    if width > LETTERS {
+        return None;
+    }
+    let places = alloc::vec![0; at.ops.len()];
+    let mut alphabet = Alphabet { leaves: wiring.leaves, width, shortest: i64::MAX, places, timed: 0 };
+    let mut next = 1;
+    for (i, op) in at.ops.iter().enumerate() {
+        match op {
+            _ if wiring.leaves & (1 << i) != 0 => {
+                alphabet.places[i] = next;
+                next <<= 1;
+            }
+            Op::And(..) | Op::Iff(..) => {}
+            Op::OnceWithin(most, _) | Op::SinceWithin(most, ..) => {
+                alphabet.timed |= 1 << i;
+                alphabet.shortest = alphabet.shortest.min(*most);
+            }
+            _ => return None,
+        }
+    }
+    Some(alphabet)
+}
+
 impl Wired {
+    /// The letter of a signal that these operators read.
+    fn letter(&self, at: &Positions, ops: u64) -> u32 {
+        let are_bare = bits(ops).all(|i| matches!(at.ops[i], Op::Slot { .. }));
+        let alphabet = self.wiring.alphabet.as_ref().filter(|_| are_bare);
+        alphabet.map_or(Wake::NO_LETTER, |alphabet| alphabet.letter(ops))
+    }
+
     /// Notes what makes an operator due; `me` is its bit.
     fn op(&mut self, at: &Positions, me: u64, op: &Op) {
         match op {
@@ -128,8 +219,11 @@ impl Wired {
                 Node::Slot(slot) => self.reads_slot(*slot, me),
                 Node::Bit(bit) => self.reads(bit.register(), me),
                 // A value is filled anew at every position.
-                Node::Reg(_)
-                | Node::Event(_)
+                Node::Reg(register) => {
+                    self.reads(*register as usize, me);
+                    self.wiring.always |= me;
+                }
+                Node::Event(_)
                 | Node::EventField { .. }
                 | Node::InState { .. }
                 | Node::Updated(_)

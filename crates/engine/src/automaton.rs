@@ -1,0 +1,235 @@
+//! The operators of some positions as a finite automaton: what a change of the signals does to all of them, looked up instead of computed.
+//!
+//! For `and`, `iff`, and `once` and `since` whose bounds begin where they stand, what follows from the signals depends on a few bits: which operators hold, and of which bounded ones the operand held at the position before. How long ago
+//! it held matters at one moment only, when the bound runs out; stamps are kept beside, as the clocks of a timed automaton are (Alur
+//! and Dill, 1994). So a move is found by the situation, by the signals that change (the letter), and by the bounds that have run out; those
+//! without the latter are kept once they were made, as regular expressions build their automata while they match.
+//!
+//! The automaton holds nothing that the registers and memories do not say as well: it can be dropped at any time, is not saved, and
+//! finds its place again.
+
+use alloc::vec::Vec;
+
+use crate::past::{Memory, NEVER};
+use crate::program::{Alphabet, Bit, Op};
+
+/// So many situations are kept at most, and so many moves; what has more of them is computed wherever one is missing.
+const SITUATIONS: usize = 64;
+const MOVES: usize = 2048;
+
+/// Which moves are known, and where it stands.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Automaton {
+    situations: Vec<Situation>,
+    /// By situation, then by letter.
+    moves: Vec<Move>,
+    /// The number of the situation in which it stands, where that is known.
+    place: Option<u32>,
+}
+
+/// All that tells apart what follows: a bit for each operator.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+struct Situation {
+    /// Those that hold.
+    word: u64,
+    /// Bounded ones whose operand holds. Their stamp is that of the latest position.
+    holding: u64,
+}
+
+/// What a letter does in a situation.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Move {
+    /// The operators that hold then.
+    pub word: u64,
+    /// Bounded ones whose operand begins to hold.
+    begins: u64,
+    /// Those whose operand held at the position before for the last time.
+    ends: u64,
+    /// Those that lose what has been.
+    breaks: u64,
+    /// The situation that it leads to; none for a move that was not made yet, and where there is no room for another situation.
+    pub to: Option<u32>,
+}
+
+impl Alphabet {
+    /// The letter of the leaves that change.
+    pub fn letter(&self, changed: u64) -> u32 {
+        bits(changed & self.leaves).fold(0, |letter, leaf| letter | u32::from(self.places[leaf]))
+    }
+}
+
+const BLANK: Move = Move { word: 0, begins: 0, ends: 0, breaks: 0, to: None };
+
+impl Automaton {
+    /// The move where the leaves in `letter` change, if it is known; no bound may have run out.
+    #[inline]
+    pub fn known(&self, alphabet: &Alphabet, letter: u32) -> Option<&Move> {
+        let at = ((self.place? as usize) << alphabet.width) + letter as usize;
+        self.moves.get(at).filter(|known| known.to.is_some())
+    }
+
+    /// Stands in a situation to which a move led.
+    #[inline]
+    pub fn stand(&mut self, place: Option<u32>) {
+        self.place = place;
+    }
+
+    /// A move that is not known, or that a bound may have to do with.
+    #[inline(never)]
+    pub fn make(
+        &mut self,
+        alphabet: &Alphabet,
+        ops: &[Op],
+        memories: &[Memory],
+        (old, word): (u64, u64),
+        over: u64,
+    ) -> Move {
+        let from = Situation { word: old, holding: holding(alphabet, memories) };
+        let place = self.place(alphabet, from);
+        let mut made = from.follow(alphabet, ops, word, over);
+        let to = Situation { word: made.word, holding: (from.holding | made.begins) & !(made.ends | made.breaks) };
+        made.to = self.place(alphabet, to).map(|to| to as u32);
+        // Where nothing has run out the move is the same the next time.
+        if over == 0
+            && let Some(place) = place
+            && let Some(kept) = self.moves.get_mut((place << alphabet.width) + alphabet.letter(old ^ word) as usize)
+        {
+            *kept = made;
+        }
+        made
+    }
+
+    /// The number of a situation; a new one as long as there is room.
+    fn place(&mut self, alphabet: &Alphabet, of: Situation) -> Option<usize> {
+        let known = self.situations.iter().position(|known| *known == of);
+        known.or_else(|| {
+            let letters = 1 << alphabet.width;
+            let room = SITUATIONS.min(MOVES / letters);
+            if self.situations.len() == room {
+                return None;
+            }
+            // All of it at once: a step does not allocate later.
+            self.situations.reserve(room - self.situations.len());
+            self.moves.reserve(room * letters - self.moves.len());
+            self.situations.push(of);
+            self.moves.resize(self.situations.len() * letters, BLANK);
+            Some(self.situations.len() - 1)
+        })
+    }
+}
+
+impl Situation {
+    /// What follows where the letters' registers are as in `letters`, and the bounds of those in `over` have run out.
+    fn follow(&self, alphabet: &Alphabet, ops: &[Op], letters: u64, over: u64) -> Move {
+        let mut made = Move { word: letters & alphabet.leaves, ..BLANK };
+        for (i, op) in ops.iter().enumerate() {
+            let me = 1 << i;
+            let get = |bit: Bit, made: &Move| bit.in_word(made.word);
+            let holds = match op {
+                Op::And(a, b) => get(*a, &made) & get(*b, &made),
+                Op::Iff(a, b) => get(*a, &made) == get(*b, &made),
+                Op::OnceWithin(_, of) => self.lasts(me, (true, get(*of, &made)), over, &mut made),
+                Op::SinceWithin(_, left, right) => {
+                    self.lasts(me, (get(*left, &made), get(*right, &made)), over, &mut made)
+                }
+                _ => continue,
+            };
+            made.word |= if holds { me } else { 0 };
+        }
+        made
+    }
+
+    /// A bounded operator: whether it goes on, and whether its operand holds.
+    fn lasts(&self, me: u64, (goes_on, of): (bool, bool), over: u64, made: &mut Move) -> bool {
+        let (was, held) = (self.word & me != 0, self.holding & me != 0);
+        if of {
+            made.begins |= me & !self.holding;
+            return true;
+        }
+        if !goes_on {
+            made.breaks |= if was || held { me } else { 0 };
+            return false;
+        }
+        made.ends |= me & self.holding;
+        (was || held) && over & me == 0
+    }
+}
+
+impl Move {
+    /// What the memories have to know of it.
+    #[inline]
+    pub fn leave_marks(&self, ops: &[Op], memories: &mut [Memory], before: i64, alarm: &mut i64) {
+        for i in bits(self.begins) {
+            if let Memory::Latest { holds, .. } = &mut memories[i] {
+                *holds = true;
+            }
+        }
+        for i in bits(self.ends) {
+            if let Memory::Latest { holds, stamp } = &mut memories[i] {
+                (*holds, *stamp) = (false, before);
+                if self.word & (1 << i) != 0 {
+                    *alarm = (*alarm).min(runs_out(&ops[i], before));
+                }
+            }
+        }
+        for i in bits(self.breaks) {
+            if let Memory::Latest { holds, stamp } = &mut memories[i] {
+                (*holds, *stamp) = (false, NEVER);
+            }
+        }
+    }
+}
+
+/// The bounded operators whose operand held at the position before.
+fn holding(alphabet: &Alphabet, memories: &[Memory]) -> u64 {
+    let holds = |i: &usize| matches!(memories[*i], Memory::Latest { holds: true, .. });
+    bits(alphabet.timed).filter(holds).fold(0, |all, i| all | (1 << i))
+}
+
+/// The bounded operators of which too much time has passed since their operand held. Sets `alarm` to when the next of the others runs
+/// out.
+#[inline(never)]
+pub(crate) fn expired(
+    alphabet: &Alphabet,
+    ops: &[Op],
+    memories: &[Memory],
+    (now, before): (i64, i64),
+    alarm: &mut i64,
+) -> u64 {
+    *alarm = i64::MAX;
+    let mut over = 0;
+    for i in bits(alphabet.timed) {
+        let Memory::Latest { stamp, holds } = memories[i] else { continue };
+        let since = if holds { before } else { stamp };
+        if since == NEVER {
+            continue;
+        }
+        let end = runs_out(&ops[i], since);
+        if now >= end {
+            over |= 1 << i;
+        } else if !holds {
+            *alarm = (*alarm).min(end);
+        }
+    }
+    over
+}
+
+/// The first time at which an operand that held at `stamp` is too long ago.
+#[inline]
+fn runs_out(op: &Op, stamp: i64) -> i64 {
+    match op {
+        Op::OnceWithin(most, _) | Op::SinceWithin(most, ..) => stamp.saturating_add(*most).saturating_add(1),
+        _ => i64::MAX,
+    }
+}
+
+/// The numbers of the bits that are set.
+#[inline]
+pub(crate) fn bits(mut of: u64) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(move || {
+        let next = of.trailing_zeros() as usize;
+        let is = of != 0;
+        of &= of.wrapping_sub(1);
+        is.then_some(next)
+    })
+}
