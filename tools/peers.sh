@@ -1,14 +1,16 @@
 #!/bin/sh
-# Other people's recording tools, for the tests that compare ours with theirs (crates/record/tests/others.rs).
+# Other people's tools, for the tests that compare ours with theirs (crates/record/tests/others.rs) and for those that talk to them
+# (crates/ros/tests/ros1).
 #
-# Makes .venv beside this folder's parent with rosbags and mcap, and installs ROS 1's own rosbag from the distribution.
+# Makes .venv beside this folder's parent with rosbags and mcap, and installs ROS 1's own rosbag, rospy and master from the distribution.
 # Does only what is missing: a second run takes no time.
 set -eu
 
 cd "$(dirname "$0")/.."
 
 python_packages='rosbags==0.11.* mcap mcap-ros2-support protobuf'
-ros1_packages='ros-core python3-rosbag python3-genpy python3-std-msgs python3-geometry-msgs python3-nav-msgs python3-sensor-msgs'
+ros1_packages='ros-core python3-rosbag python3-genpy python3-rospy python3-rosmaster python3-rostopic python3-std-msgs python3-geometry-msgs python3-nav-msgs
+    python3-sensor-msgs python3-std-srvs python3-actionlib-msgs python3-diagnostic-msgs python3-rosgraph-msgs python3-tf2-msgs python3-trajectory-msgs'
 
 if [ ! -x .venv/bin/python ]; then
     python3 -m venv .venv
@@ -18,11 +20,12 @@ if ! .venv/bin/python -c 'import rosbags.rosbag2, rosbags.rosbag1, mcap.writer, 
     .venv/bin/pip install --quiet $python_packages
 fi
 
-if ! /usr/bin/python3 -c 'import rosbag, nav_msgs.msg, sensor_msgs.msg' 2>/dev/null; then
+ros1_modules='rosbag, rospy, rosmaster, rostopic, nav_msgs.msg, sensor_msgs.msg, std_srvs.srv, actionlib_msgs.msg, diagnostic_msgs.msg, rosgraph_msgs.msg, tf2_msgs.msg, trajectory_msgs.msg'
+if ! /usr/bin/python3 -c "import $ros1_modules" 2>/dev/null; then
     if [ "$(id -u)" -eq 0 ]; then run=; else run=sudo; fi
     $run apt-get update -qq
     # shellcheck disable=SC2086
     DEBIAN_FRONTEND=noninteractive $run apt-get install -y -qq --no-install-recommends $ros1_packages >/dev/null
 fi
 
-echo "peers are ready: .venv and /usr/bin/python3 rosbag"
+echo "peers are ready: .venv, and rosbag and rospy of /usr/bin/python3"

@@ -5,6 +5,7 @@
 pub mod agree;
 pub mod big;
 pub mod exhaustive;
+pub mod generated;
 pub mod patterns;
 pub mod random;
 pub mod robots;

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use lapwing::{Options, Session, Spec};
+use lapwing::{LIBRARIES, Library, Options, Session, Spec};
 use lapwing_react::Property;
 use lapwing_sim::fault::{ALL, Order};
 use lapwing_sim::{Scenario, recording, run_name};
@@ -81,7 +81,7 @@ fn run(command: &str, spec: &str, parsed: &[Spec]) -> Result<Run, String> {
             _ => return Err(wrong(&format!("`{word} {value}` is not expected"))),
         }
     }
-    let recording = recording(&scenario, &options);
+    let recording = recording(&scenario, &options).map_err(|e| wrong(&e.to_string()))?;
     let report = Session::over(parsed, recording, &run_name(&scenario, 1), &Options::default()).run(&mut ());
     Ok(Run { spec: spec.to_owned(), scenario: name.to_owned(), faults, properties: report.properties })
 }
@@ -115,11 +115,18 @@ pub fn surprises(runs: &[Run]) -> Vec<String> {
     wrong
 }
 
-/// The bugs of which a faulty run is caught.
-pub fn bugs(runs: &[Run]) -> Vec<&'static str> {
-    let caught = runs.iter().filter(|r| r.right().any(|p| p.verdict == Verdict::Violated));
+/// The bugs of which a faulty run is caught by such a property.
+pub fn bugs(runs: &[Run], by: impl Fn(&Property) -> bool) -> Vec<&'static str> {
+    let caught = runs.iter().filter(|r| r.right().any(|p| p.verdict == Verdict::Violated && by(p)));
     let names: Vec<&str> = caught.flat_map(|r| &r.faults).filter_map(|f| fault_name(f)).collect();
     ALL.iter().filter(|a| !a.bug.is_empty() && names.contains(&a.name)).map(|a| a.bug).collect()
+}
+
+/// The shipped pattern that a property is.
+pub fn pattern(property: &Property) -> Option<&'static str> {
+    let (_, formula) = property.text.split_once(": ")?;
+    let mut patterns = LIBRARIES.iter().flat_map(Library::patterns).map(|pattern| pattern.name);
+    patterns.find(|name| formula.strip_prefix(name).is_some_and(|rest| rest.starts_with('(')))
 }
 
 /// The name in an order: `frozen-scan` of `robot2:frozen-scan@10`.
@@ -129,8 +136,9 @@ fn fault_name(order: &str) -> Option<&str> {
 
 /// The table of the example's page.
 pub fn table(runs: &[Run]) -> String {
-    let mut text = String::from("| specification | scenario | fault | property | verdict | first failure |\n");
-    text.push_str("| --- | --- | --- | --- | --- | --- |\n");
+    let mut text =
+        String::from("| specification | scenario | fault | property | pattern | verdict | first failure |\n");
+    text.push_str("| --- | --- | --- | --- | --- | --- | --- |\n");
     for run in runs {
         let fault = run.faults.iter().map(|f| format!("`{f}`")).collect::<Vec<_>>().join(" ");
         for property in &run.properties {
@@ -139,9 +147,12 @@ pub fn table(runs: &[Run]) -> String {
             let (name, verdict) = (&property.name, property.verdict);
             let verdict = if verdict.is_success() { verdict.to_string() } else { format!("**{verdict}**") };
             let vacuous = if property.vacuous { " (vacuous)" } else { "" };
+            let pattern = pattern(property).map(|name| format!("`{name}`")).unwrap_or_default();
             // Writing to a text does not fail.
-            let _ =
-                writeln!(text, "| [{spec}]({spec}) | {scenario} | {fault} | {name} | {verdict}{vacuous} | {when} |");
+            let _ = writeln!(
+                text,
+                "| [{spec}]({spec}) | {scenario} | {fault} | {name} | {pattern} | {verdict}{vacuous} | {when} |"
+            );
         }
     }
     text
@@ -154,11 +165,4 @@ pub fn faults() -> String {
         let _ = writeln!(text, "| `{}` | {} | {} |", about.name, about.what, about.bug);
     }
     text
-}
-
-/// A page with a part of it replaced: what stands between `<!-- NAME -->` and `<!-- /NAME -->`.
-pub fn with_part(page: &str, name: &str, part: &str) -> Option<String> {
-    let (before, rest) = page.split_once(&format!("<!-- {name} -->\n"))?;
-    let (_, after) = rest.split_once(&format!("<!-- /{name} -->"))?;
-    Some(format!("{before}<!-- {name} -->\n{part}<!-- /{name} -->{after}"))
 }

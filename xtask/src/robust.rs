@@ -2,8 +2,11 @@
 //!
 //! The fuzz targets and the tests share them, so that whatever the fuzzer once found stays found.
 
+mod components;
 mod files;
 mod hostile;
+mod live;
+mod models;
 mod texts;
 
 /// Tries one thing on the bytes.
@@ -14,14 +17,18 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("parse", texts::parse),
     ("format", texts::format),
     ("check", texts::check),
+    ("gen", components::gen_file),
     ("mcap", files::mcap),
     ("bag", files::bag),
     ("db3", files::db3),
     ("csv", files::csv),
     ("ndjson", files::ndjson),
     ("definition", files::definition),
+    ("tcpros", live::tcpros),
+    ("ros2", live::ros2),
     ("step", hostile::step),
     ("differential", hostile::differential),
+    ("bip", models::bip),
 ];
 
 /// The target of that name.

@@ -17,9 +17,9 @@ use lapwing_check::checked::{self, EventSource, Step};
 use lapwing_check::compile::compile;
 use lapwing_check::{Checked, TraceShape, TraceTopic};
 use lapwing_diag::{Diagnostic, Severity};
-use lapwing_record::{Cells, Format, Item, Part, Recording, Wanted};
+use lapwing_record::{Cells, Format, Item, Part, Recording, Signal, Wanted};
 use lapwing_reference::{Arrival, Trace};
-use lapwing_stream::{Time, Value, Verdict};
+use lapwing_stream::{Time, Verdict};
 
 use crate::agree::{self, Drive};
 
@@ -197,7 +197,7 @@ fn shape_of(recording: &Recording) -> TraceShape {
         columns: recording.columns().iter().map(|c| c.to_string()).collect(),
         schemaless: recording.is_schemaless(),
         columns_open: recording.format() == Format::Ndjson,
-        events: Vec::new(),
+        events: recording.events().iter().map(|e| e.to_string()).collect(),
         live: false,
     }
 }
@@ -334,11 +334,6 @@ fn printed_line(property: &serde_json::Value) -> Option<Line> {
 
 /// A recording as the trace of one specification.
 fn trace(spec: &checked::Spec, recording: Recording) -> Result<Trace, String> {
-    let part = |step: &Step| match step {
-        Step::Field(name) => Part::Name(name.as_str().into()),
-        Step::Index(index) => Part::Index(*index),
-    };
-    let path = |path: &checked::Path| lapwing_record::Path::new(path.iter().map(part));
     let wanted: Vec<Wanted> = spec
         .topics
         .iter()
@@ -356,8 +351,15 @@ fn trace(spec: &checked::Spec, recording: Recording) -> Result<Trace, String> {
     }
 }
 
+fn path(path: &checked::Path) -> lapwing_record::Path {
+    lapwing_record::Path::new(path.iter().map(|step| match step {
+        Step::Field(name) => Part::Name(name.as_str().into()),
+        Step::Index(index) => Part::Index(*index),
+    }))
+}
+
 fn arrival(spec: &checked::Spec, item: &Item<'_>) -> Arrival {
-    let named = |cells: &Cells<'_>, name: &str| cells.get(name).cloned().unwrap_or_default();
+    let named = |cells: &Cells<'_>, name: &str| Signal::new(name).find_in(*cells).unwrap_or_default().into_owned();
     match item {
         Item::Message { wanted: Some(topic), values, .. } => {
             Arrival::Message { topic: *topic, values: values.to_vec() }
@@ -365,16 +367,10 @@ fn arrival(spec: &checked::Spec, item: &Item<'_>) -> Arrival {
         Item::Message { .. } => Arrival::Other,
         Item::Row { cells, .. } => Arrival::Row { cells: spec.columns.iter().map(|c| named(cells, c)).collect() },
         Item::Event { name, fields, .. } => {
-            let is_it = |e: &checked::Event| e.source == EventSource::Named && e.name == **name;
+            let is_it =
+                |e: &checked::Event| matches!(e.source, EventSource::Named | EventSource::Point(_)) && e.name == **name;
             let Some(event) = spec.events.iter().position(is_it) else { return Arrival::Other };
-            let follow = |path: &checked::Path| {
-                let mut steps = path.iter();
-                let Some(Step::Field(first)) = steps.next() else { return Value::Missing };
-                steps.fold(named(fields, first), |value, step| match step {
-                    Step::Field(name) => value.field(name).cloned().unwrap_or(Value::Missing),
-                    Step::Index(_) => Value::Missing,
-                })
-            };
+            let follow = |way: &checked::Path| named(fields, &path(way).to_string());
             Arrival::Event { event, values: spec.events[event].fields.iter().map(|f| follow(&f.path)).collect() }
         }
     }

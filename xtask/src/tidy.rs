@@ -11,6 +11,7 @@ use lapwing_diag::{Code, Severity};
 /// The order is that of the layers: a crate knows only crates above it.
 pub const LAYERS: &[(&str, &[&str], &[&str])] = &[
     ("diag", &[], &["annotate-snippets"]),
+    ("draw", &[], &[]),
     ("stream", &[], &["serde"]),
     ("syntax", &["diag", "stream"], &["strsim"]),
     ("engine", &["stream"], &["libm", "postcard", "serde"]),
@@ -19,20 +20,40 @@ pub const LAYERS: &[(&str, &[&str], &[&str])] = &[
     (
         "record",
         &["stream"],
-        &["bzip2", "crc32fast", "memchr", "glob", "lz4", "rusqlite", "serde_json", "tempfile", "thiserror", "zstd"],
+        &[
+            "bzip2",
+            "crc32fast",
+            "memchr",
+            "glob",
+            "lz4",
+            "rusqlite",
+            "serde_json",
+            "strsim",
+            "tempfile",
+            "thiserror",
+            "zstd",
+        ],
     ),
     (
         "sim",
         &["stream", "record"],
         &["libm", "mcap", "rand_pcg", "rapier2d-f64", "serde", "strsim", "thiserror", "toml"],
     ),
+    ("ros", &["stream", "record"], &["bytes", "md5", "quick-xml", "rustdds", "sha2"]),
     ("react", &["diag", "stream"], &["anstyle", "quick-xml", "serde_json"]),
     ("page", &["stream", "react"], &["plotly", "serde_json", "sha2"]),
-    ("lapwing", &["diag", "stream", "syntax", "engine", "check", "record", "react"], &["mcap", "serde_json"]),
+    ("bip", &["diag"], &["rand_pcg", "strsim"]),
+    ("genom", &["diag", "draw", "bip"], &["strsim"]),
+    (
+        "lapwing",
+        &["diag", "draw", "stream", "syntax", "engine", "check", "record", "ros", "react"],
+        &["bytes", "mcap", "serde_json"],
+    ),
+    ("tracing", &["diag", "stream", "check", "react", "lapwing"], &["log", "tracing", "tracing-subscriber"]),
     (
         "cli",
-        &["diag", "stream", "syntax", "record", "sim", "react", "page", "lapwing"],
-        &["anstream", "clap", "ctrlc", "indicatif", "strsim"],
+        &["diag", "draw", "stream", "syntax", "record", "sim", "ros", "react", "page", "bip", "genom", "lapwing"],
+        &["anstream", "clap", "ctrlc", "indicatif", "ratatui", "serde_json", "signal-hook", "strsim"],
     ),
 ];
 

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use lapwing_check::{LIBRARIES, Library};
+use xtask::generated;
 use xtask::patterns::page;
 use xtask::suite::pages;
 
@@ -12,16 +13,7 @@ fn root() -> PathBuf {
 
 #[test]
 fn the_page_of_patterns_is_up_to_date() {
-    let path = root().join("docs/patterns.md");
-    let wanted = page();
-    if std::env::var_os("BLESS").is_some() {
-        std::fs::write(&path, &wanted).expect("the page can be written");
-    }
-    let there = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(
-        there == wanted,
-        "docs/patterns.md is out of date: `BLESS=1 cargo test -p xtask --test patterns` writes it"
-    );
+    generated::holds(&root().join("docs/patterns.md"), &page(), "patterns").unwrap_or_else(|e| panic!("{e}"));
 }
 
 #[test]

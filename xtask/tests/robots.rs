@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use lapwing_sim::{Options, Scenario, Simulation};
-use xtask::robots;
+use xtask::{generated, robots};
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
@@ -12,14 +12,7 @@ fn root() -> PathBuf {
 
 /// The page must have that part; with `BLESS` it gets it.
 fn holds(page: &str, name: &str, part: &str) {
-    let path = root().join(page);
-    let there = fs::read_to_string(&path).expect("the page can be read");
-    let wanted = robots::with_part(&there, name, part).expect("the page has a place for it");
-    if std::env::var_os("BLESS").is_some() {
-        fs::write(&path, &wanted).expect("the page can be written");
-    } else {
-        assert!(there == wanted, "{page} is out of date: BLESS=1 cargo test -p xtask --test robots");
-    }
+    generated::part_holds(&root().join(page), name, part, "robots").unwrap_or_else(|e| panic!("{e}"));
 }
 
 #[test]
@@ -27,8 +20,10 @@ fn healthy_robots_are_clean_and_faulty_ones_are_caught() {
     let runs = robots::runs(&root().join("examples/turtlebot")).unwrap_or_else(|e| panic!("{e}"));
     let wrong = robots::surprises(&runs);
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    let bugs = robots::bugs(&runs);
-    assert!(bugs.len() >= 12, "only {} bugs are caught: {bugs:?}", bugs.len());
+    let bugs = robots::bugs(&runs, |_| true);
+    assert!(bugs.len() >= 18, "only {} bugs are caught: {bugs:?}", bugs.len());
+    let by_patterns = robots::bugs(&runs, |property| robots::pattern(property).is_some());
+    assert!(by_patterns.len() >= 12, "only {} bugs are caught by patterns: {by_patterns:?}", by_patterns.len());
     holds("examples/turtlebot/README.md", "table", &robots::table(&runs));
 }
 

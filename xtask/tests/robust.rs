@@ -141,6 +141,11 @@ fn mutated_definitions_and_messages() {
 }
 
 #[test]
+fn mutated_models() {
+    mutations_survive("bip", 600);
+}
+
+#[test]
 fn samples_that_lie() {
     let mut random = Random(7);
     all_survive((0..600).map(|n: u64| {

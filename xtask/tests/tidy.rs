@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use xtask::tidy;
+use xtask::{generated, tidy};
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().expect("the root of the repository")
@@ -61,13 +61,8 @@ fn every_code_has_a_page_and_a_test() {
 
 #[test]
 fn the_list_of_codes_is_up_to_date() {
-    let path = root().join("docs/errors.md");
-    let wanted = tidy::errors_page();
-    if std::env::var_os("BLESS").is_some() {
-        std::fs::write(&path, &wanted).expect("the page can be written");
-    }
-    let there = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(there == wanted, "docs/errors.md is out of date: BLESS=1 cargo test -p xtask --test tidy");
+    let page = root().join("docs/errors.md");
+    generated::holds(&page, &tidy::errors_page(), "tidy").unwrap_or_else(|e| panic!("{e}"));
 }
 
 #[test]

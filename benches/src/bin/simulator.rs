@@ -77,7 +77,7 @@ fn read(scenario: &Scenario, seed: u64) {
 
 /// The specification is checked while the run goes on.
 fn monitored(scenario: &Scenario, specs: &[Spec], seed: u64) {
-    let recording = recording(scenario, &options(seed));
+    let recording = recording(scenario, &options(seed)).expect("every message has a definition");
     let report = Session::over(specs, recording, &run_name(scenario, seed), &Options::default()).run(&mut ());
     assert!(report.properties.iter().all(|p| p.cause.is_none()), "{:?}", report.properties);
 }

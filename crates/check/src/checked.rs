@@ -4,8 +4,14 @@
 //! A specification is checked twice with the same code: once alone, for what no trace can cure, and once for every trace, whose
 //! topics and types are then known. What is wrong with one trace only lands in [`Property::problem`].
 
+mod reaction;
+
+use std::fmt;
+
 use lapwing_diag::Span;
 use lapwing_stream::{Duration, Type, Value};
+
+pub use reaction::{Action, Guard, Message, Reaction};
 
 /// A specification, ready to be evaluated.
 #[derive(Clone, Debug, Default)]
@@ -173,8 +179,48 @@ pub enum EventSource {
     Entered { machine: usize, state: usize },
     /// A machine left a state.
     Left { machine: usize, state: usize },
-    /// A call, a return, a field's change, a service's half, a GenoM3 activity: no recording has it; the text says which.
+    /// A call, a return or a field's change of a running program: no recording has it.
+    Point(Point),
+    /// A service's half, a port or an activity of a component: no recording has it; the text says which.
     Program(String),
+}
+
+/// A point in the run of a program that can be seen from outside: AspectJ's join point.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Point {
+    /// What happens there.
+    pub kind: PointKind,
+    /// The function, `A::f`, or the field, `A.x`, by its segments; empty for any function.
+    pub path: Vec<String>,
+    /// Only while a call of this function is active.
+    pub below: Option<Vec<String>>,
+}
+
+/// What happens at a [`Point`].
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum PointKind {
+    /// A function is called.
+    Call,
+    /// A function returns.
+    Return,
+    /// A field gets a value.
+    Set,
+}
+
+impl fmt::Display for Point {
+    /// As it is written: `set SensorController.sonar below Kicker::ball_close`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (word, joint) = match self.kind {
+            PointKind::Call => ("call", "::"),
+            PointKind::Return => ("return", "::"),
+            PointKind::Set => ("set", "."),
+        };
+        f.write_str(word)?;
+        if !self.path.is_empty() {
+            write!(f, " {}", self.path.join(joint))?;
+        }
+        self.below.as_ref().map_or(Ok(()), |below| write!(f, " below {}", below.join("::")))
+    }
 }
 
 /// A state diagram.
@@ -298,19 +344,6 @@ pub struct Slice {
     pub field: Path,
     /// For each event of the formula: the number of that field among its [`Event::fields`], where it has it.
     pub fields: Vec<(usize, usize)>,
-}
-
-/// A reaction, for the report.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Reaction {
-    /// The property's name as written, without instance.
-    pub property: String,
-    /// At most so often.
-    pub at_most_every: Option<Duration>,
-    /// Each action in words: `publish /cmd_vel geometry_msgs/Twist`.
-    pub actions: Vec<String>,
-    /// Its place.
-    pub span: Span,
 }
 
 /// A physical dimension: exponents of length, time and angle; `None` where it is not known.

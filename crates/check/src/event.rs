@@ -1,17 +1,18 @@
 //! Events: where each comes from, and when it counts.
 
 use lapwing_diag::{Code, Diagnostic};
-use lapwing_syntax::ast::{self, ActivityPhase, CallPath, EventDecl, Ident};
+use lapwing_syntax::ast::{self, ActivityPhase, EventDecl, Ident};
 
-use crate::checked::{Event, EventSource};
+use crate::checked::{Event, EventSource, Point, PointKind};
 use crate::context::{Cx, Env, Found};
 use crate::suggest;
 
 /// Declares the events, and after that reads their conditions. Gives what was found wrong with each.
 pub(crate) fn declare(cx: &mut Cx) {
     let decls = cx.names.event_decls();
+    let written_down = has_points(cx, &decls);
     for decl in &decls {
-        let (source, found) = cx.apart(|cx| source(cx, decl));
+        let (source, found) = cx.apart(|cx| source(cx, decl, written_down));
         cx.spec.events.push(Event { name: decl.name.name.clone(), source, fields: Vec::new(), when: None });
         cx.event_found.push(found);
     }
@@ -28,31 +29,52 @@ pub(crate) fn declare(cx: &mut Cx) {
     }
 }
 
-fn source(cx: &mut Cx, decl: &EventDecl) -> EventSource {
+/// Whether a trace has calls, returns or fields of a program under the names that a specification gives them: it is the log of a program that
+/// was watched, and which of them it lacks did not occur.
+fn has_points(cx: &Cx, decls: &[&EventDecl]) -> bool {
+    let is_point = |decl: &&&EventDecl| {
+        matches!(decl.source, Some(ast::EventSource::Call(_) | ast::EventSource::Return(_) | ast::EventSource::Set(_)))
+    };
+    let in_trace = |decl: &&EventDecl| cx.trace.is_some_and(|t| t.events.contains(&decl.name.name));
+    decls.iter().filter(is_point).any(in_trace)
+}
+
+fn source(cx: &mut Cx, decl: &EventDecl, written_down: bool) -> EventSource {
     let Some(source) = &decl.source else {
         missing_event(cx, &decl.name);
         return EventSource::Named;
     };
-    let mut text = match source {
+    let below = || decl.below.as_ref().map(|path| segments(&path.segments));
+    let point = |kind, path: &[Ident]| EventSource::Point(Point { kind, path: segments(path), below: below() });
+    let found = match source {
         ast::EventSource::Message(topic, ty) => {
             let opened = cx.open(&Env::default(), topic, ty.as_ref());
             return EventSource::Message { topic: opened.topic };
         }
-        ast::EventSource::Call(path) => format!("call {}", call_path(path)),
-        ast::EventSource::Return(path) => format!("return {}", call_path(path)),
-        ast::EventSource::Set(names) => format!("set {}", dotted(names)),
-        ast::EventSource::Request(topic) => format!("request {}", topic.absolute()),
-        ast::EventSource::Reply(topic) => format!("reply {}", topic.absolute()),
-        ast::EventSource::Write(names) => format!("write {}", dotted(names)),
-        ast::EventSource::Activity(phase, names) => format!("{} {}", phase_word(*phase), dotted(names)),
+        ast::EventSource::Call(path) => point(PointKind::Call, &path.segments),
+        ast::EventSource::Return(path) => point(PointKind::Return, &path.segments),
+        ast::EventSource::Set(names) => point(PointKind::Set, names),
+        ast::EventSource::Request(topic) => outside(decl, format!("request {}", topic.absolute())),
+        ast::EventSource::Reply(topic) => outside(decl, format!("reply {}", topic.absolute())),
+        ast::EventSource::Write(names) => outside(decl, format!("write {}", dotted(names))),
+        ast::EventSource::Activity(phase, names) => outside(decl, format!("{} {}", phase_word(*phase), dotted(names))),
     };
-    if let Some(below) = &decl.below {
-        text.push_str(&format!(" below {}", call_path(below)));
-    }
-    if cx.trace.is_some_and(|t| !t.live) {
+    let is_known = written_down && matches!(found, EventSource::Point(_));
+    if cx.trace.is_some_and(|t| !t.live) && !is_known {
+        let text = match &found {
+            EventSource::Point(point) => point.to_string(),
+            EventSource::Program(text) => text.clone(),
+            _ => String::new(),
+        };
         cx.found.blame(format!("a recording has no such events: `{}` is `{text}`", decl.name.name));
     }
-    EventSource::Program(text)
+    found
+}
+
+/// What neither a recording nor a Rust program has.
+fn outside(decl: &EventDecl, text: String) -> EventSource {
+    let below = decl.below.as_ref().map(|path| format!(" below {}", segments(&path.segments).join("::")));
+    EventSource::Program(text + &below.unwrap_or_default())
 }
 
 /// Says so where a trace has events, but none of this name.
@@ -79,8 +101,8 @@ impl Cx<'_> {
     }
 }
 
-fn call_path(path: &CallPath) -> String {
-    path.segments.iter().map(|s| s.name.as_str()).collect::<Vec<_>>().join("::")
+fn segments(path: &[Ident]) -> Vec<String> {
+    path.iter().map(|s| s.name.clone()).collect()
 }
 
 fn dotted(names: &[Ident]) -> String {

@@ -63,4 +63,5 @@ pub use check::{Checked, check};
 pub use definitions::MessageTypes;
 pub use library::{LIBRARIES, Library, ShippedPattern};
 pub use load::{Loaded, load};
+pub use suggest::nearest;
 pub use trace::{TraceShape, TraceTopic};

@@ -6,7 +6,7 @@ use lapwing_diag::{Code, Diagnostic, Span};
 use lapwing_stream::{Schema, Type, Value};
 use lapwing_syntax::ast::{Expr, Ident, Literal, Topic, TypePath};
 
-use crate::checked::Dim;
+use crate::checked::{self, Dim};
 use crate::constant::constant_value;
 use crate::context::{Cx, Env};
 use crate::definitions::Half;
@@ -17,15 +17,25 @@ use crate::suggest;
 use crate::trace::{is_type, plain_type};
 use crate::world;
 
-/// Checks a message of the type `ty` that goes to a topic or a service.
-pub(crate) fn check(cx: &mut Cx, env: &Env, to: &Topic, ty: &TypePath, half: Half, message: &Literal) {
+/// Reads and checks a message of the type `ty` that goes to a topic or a service.
+pub(crate) fn read(
+    cx: &mut Cx,
+    env: &Env,
+    to: &Topic,
+    ty: &TypePath,
+    half: Half,
+    message: &Literal,
+) -> checked::Message {
     if half == Half::Whole {
         same_type(cx, env, to, ty);
     }
     let schema = definition(cx, env, ty, half);
     let package = ty.package.as_ref().map(|p| p.name.as_str());
     let known = Known { dim: Dim::UNKNOWN, message: messages::known_type(package, &ty.name.name) };
-    literal(cx, env, message, &schema.map_or(Type::Any, Type::Message), known);
+    let full = schema.as_ref().and_then(|schema| half.of(&schema.name)).map(str::to_owned);
+    let value = literal(cx, env, message, &schema.map_or(Type::Any, Type::Message), known);
+    let written = type_name(ty);
+    checked::Message { to: to.absolute(), type_name: full.unwrap_or_else(|| written.clone()), written, value }
 }
 
 /// A topic carries messages of one type.
@@ -79,31 +89,33 @@ fn unknown_type(cx: &mut Cx, env: &Env, ty: &TypePath, half: Half) {
         None => suggest::nearest(&name, cx.definitions.names(half).filter_map(|full| full.rsplit('/').next())),
     };
     let message = format!("no definition of {name} is known{}", suggest::or_else(guess));
-    let mut diagnostic = Diagnostic::new(Code::UnknownType, ty.span, message)
-        .label("its fields are not checked")
-        .help("known are the common packages of ROS, and the types of the topics in the recording");
+    let mut diagnostic = Diagnostic::new(Code::UnknownType, ty.span, message).label("its fields are not checked").help(
+        "known are the common packages of ROS, those of --msgs DIR, and the types of the topics in the recording",
+    );
     if let Some(guess) = guess {
         diagnostic = diagnostic.fix(ty.span, guess);
     }
     cx.report(env, diagnostic);
 }
 
-fn literal(cx: &mut Cx, env: &Env, written: &Literal, ty: &Type, known: Known) {
+/// What is written, as a value. What is wrong has none.
+fn literal(cx: &mut Cx, env: &Env, written: &Literal, ty: &Type, known: Known) -> Value {
     match (written, ty) {
         (Literal::Record(fields, _), Type::Message(_) | Type::Any) => record(cx, env, fields, ty, known),
-        (Literal::List(values, _), Type::Array(inner)) => {
-            values.iter().for_each(|value| literal(cx, env, value, inner, known));
-        }
-        (Literal::List(values, _), Type::Any) => {
-            values.iter().for_each(|value| literal(cx, env, value, &Type::Any, known));
-        }
+        (Literal::List(values, _), Type::Array(inner)) => list(cx, env, values, inner, known),
+        (Literal::List(values, _), Type::Any) => list(cx, env, values, &Type::Any, known),
         (Literal::Value(expr), _) => value(cx, env, expr, ty, known),
         (Literal::Record(_, span), _) => wrong(cx, env, *span, "a message", ty),
         (Literal::List(_, span), _) => wrong(cx, env, *span, "an array", ty),
     }
 }
 
-fn record(cx: &mut Cx, env: &Env, fields: &[(Ident, Literal)], ty: &Type, known: Known) {
+fn list(cx: &mut Cx, env: &Env, values: &[Literal], ty: &Type, known: Known) -> Value {
+    Value::List(values.iter().map(|value| literal(cx, env, value, ty, known)).collect())
+}
+
+fn record(cx: &mut Cx, env: &Env, fields: &[(Ident, Literal)], ty: &Type, known: Known) -> Value {
+    let mut read = Vec::new();
     for (index, (name, value)) in fields.iter().enumerate() {
         if let Some((first, _)) = fields[..index].iter().find(|(n, _)| n.name == name.name) {
             let diagnostic =
@@ -113,15 +125,17 @@ fn record(cx: &mut Cx, env: &Env, fields: &[(Ident, Literal)], ty: &Type, known:
             cx.report(env, diagnostic);
         }
         let inner = field_type(cx, env, ty, name).unwrap_or(Type::Any);
-        literal(cx, env, value, &inner, messages::field(known.message, known.dim, &name.name));
+        let value = literal(cx, env, value, &inner, messages::field(known.message, known.dim, &name.name));
+        read.push((name.name.as_str().into(), value));
     }
+    Value::Record(read)
 }
 
 /// A single value. It must be known beforehand, since a reaction has no time to wait for it.
-fn value(cx: &mut Cx, env: &Env, expr: &Expr, ty: &Type, known: Known) {
+fn value(cx: &mut Cx, env: &Env, expr: &Expr, ty: &Type, known: Known) -> Value {
     let (lowered, found) = cx.aside(|cx| cx.lower(env, expr).value(cx, env));
     if found.failed {
-        return;
+        return Value::Missing;
     }
     let Some(value) = constant_value(&lowered) else {
         let message = "what a reaction publishes must be known beforehand";
@@ -129,7 +143,7 @@ fn value(cx: &mut Cx, env: &Env, expr: &Expr, ty: &Type, known: Known) {
             .label("this is not constant")
             .help("a number, a truth value, a text, or a name that stands for one");
         cx.report(env, diagnostic);
-        return;
+        return Value::Missing;
     };
     match (&value, ty) {
         (_, Type::Any) | (Value::Bool(_), Type::Bool) | (Value::Str(_), Type::Str) => {}
@@ -138,7 +152,7 @@ fn value(cx: &mut Cx, env: &Env, expr: &Expr, ty: &Type, known: Known) {
             cx.report(env, diagnostic.label("the field holds whole numbers only"));
         }
         (Value::Num(_), Type::Num { .. }) => {}
-        _ => wrong(cx, env, expr.span, value.kind(), ty),
+        _ => return wrong(cx, env, expr.span, value.kind(), ty),
     }
     if !lowered.dim.fits(known.dim) {
         let (given, wanted) = (lowered.dim.unit(), known.dim.unit());
@@ -146,9 +160,10 @@ fn value(cx: &mut Cx, env: &Env, expr: &Expr, ty: &Type, known: Known) {
             Diagnostic::new(Code::DimensionMismatch, expr.span, format!("{given} stands where {wanted} is wanted"));
         cx.report(env, diagnostic.label(format!("in {given}")));
     }
+    value
 }
 
-fn wrong(cx: &mut Cx, env: &Env, span: Span, given: &str, ty: &Type) {
+fn wrong(cx: &mut Cx, env: &Env, span: Span, given: &str, ty: &Type) -> Value {
     let message = format!("{given} stands where {} is wanted", describe(ty));
     let mut diagnostic = Diagnostic::new(Code::TypeMismatch, span, message).label("does not go with the field's type");
     if let Type::Message(schema) = ty {
@@ -156,4 +171,5 @@ fn wrong(cx: &mut Cx, env: &Env, span: Span, given: &str, ty: &Type) {
         diagnostic = diagnostic.help(format!("a message is written in curly brackets: `{{ {fields} }}`"));
     }
     cx.report(env, diagnostic);
+    Value::Missing
 }

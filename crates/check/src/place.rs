@@ -176,7 +176,7 @@ fn declared_column(cx: &Cx, place: &Place, topic: &ast::Topic) -> Option<String>
     }
     // Where columns may still turn up and there are no topics, it will be a column.
     let guess = trace.columns_open && trace.topics.is_empty() && !trace.columns.is_empty();
-    guess.then(|| place.label.clone())
+    (guess || trace.is_program()).then(|| place.label.clone())
 }
 
 fn missing_column(cx: &mut Cx, env: &Env, place: &Place, topic: &ast::Topic) {

@@ -43,32 +43,31 @@ fn of_guard(cx: &mut Cx, env: &Env, guard: &Guard, span: Span) -> checked::React
                 .help("let the sender publish on another topic, and name that after `from`");
         cx.report(env, diagnostic);
     }
-    if let Some((ty, message)) = &guard.instead {
-        message::check(cx, env, &guard.to, ty, Half::Whole, message);
-    }
-    let instead = guard.instead.as_ref().map_or("drop".to_owned(), |(ty, _)| format!("publish {}", type_name(ty)));
-    let fail = if guard.fail_open { " fail open" } else { "" };
-    let action = format!("guard {} from {} else {instead}{fail}", guard.to.absolute(), guard.from.absolute());
+    let instead = guard.instead.as_ref();
+    let action = checked::Action::Guard(checked::Guard {
+        to: guard.to.absolute(),
+        from: guard.from.absolute(),
+        instead: instead.map(|(ty, message)| message::read(cx, env, &guard.to, ty, Half::Whole, message)),
+        fail_open: guard.fail_open,
+    });
     checked::Reaction { property: guard.property.name.clone(), at_most_every: None, actions: vec![action], span }
 }
 
-/// Checks an action and says it in words.
-fn action(cx: &mut Cx, env: &Env, action: &Action) -> String {
+/// Reads and checks an action.
+fn action(cx: &mut Cx, env: &Env, action: &Action) -> checked::Action {
     let dotted = |names: &[Ident]| names.iter().map(|n| n.name.as_str()).collect::<Vec<_>>().join(".");
     match action {
         Action::Publish(topic, ty, message) => {
             cx.topic(&topic.absolute(), topic.span);
-            message::check(cx, env, topic, ty, Half::Whole, message);
-            format!("publish {} {}", topic.absolute(), type_name(ty))
+            checked::Action::Publish(message::read(cx, env, topic, ty, Half::Whole, message))
         }
         Action::Call(service, ty, message) => {
-            message::check(cx, env, service, ty, Half::Request, message);
-            format!("call {} {}", service.absolute(), type_name(ty))
+            checked::Action::Call(message::read(cx, env, service, ty, Half::Request, message))
         }
-        Action::Request(activity) => format!("request {}", dotted(activity)),
-        Action::Run(handler) => format!("run {}", handler.name),
-        Action::Reset(_) => "reset".to_owned(),
-        Action::Stop(_) => "stop".to_owned(),
+        Action::Request(activity) => checked::Action::Request(dotted(activity)),
+        Action::Run(handler) => checked::Action::Run(handler.name.clone()),
+        Action::Reset(_) => checked::Action::Reset,
+        Action::Stop(_) => checked::Action::Stop,
     }
 }
 

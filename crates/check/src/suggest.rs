@@ -1,7 +1,7 @@
 //! What a misspelt name was probably meant to be.
 
 /// The candidate nearest to `wanted`, where one is near enough to be worth saying. Of equals the first.
-pub(crate) fn nearest<'a>(wanted: &str, among: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub fn nearest<'a>(wanted: &str, among: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let (exact, wanted) = (wanted, wanted.to_lowercase());
     let mut best: Option<(f64, &str)> = None;
     for candidate in among.into_iter().filter(|c| *c != exact) {

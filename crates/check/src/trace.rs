@@ -33,6 +33,16 @@ pub struct TraceTopic {
 }
 
 impl TraceShape {
+    /// A running program that is watched from within: it has no topics, any name may be a value that it sets, any event may occur.
+    pub fn program() -> TraceShape {
+        TraceShape { schemaless: true, columns_open: true, live: true, ..TraceShape::default() }
+    }
+
+    /// Whether it is a running program.
+    pub(crate) fn is_program(&self) -> bool {
+        self.live && self.columns_open && self.topics.is_empty()
+    }
+
     /// The topic of that name.
     pub fn topic(&self, name: &str) -> Option<&TraceTopic> {
         self.topics.iter().find(|t| t.name == name)

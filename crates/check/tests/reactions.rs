@@ -106,7 +106,7 @@ fn unknown_types() {
     expect![[r#"
         no definition of geometry_msgs/Twst is known; did you mean `geometry_msgs/Twist`?
           its fields are not checked
-          known are the common packages of ROS, and the types of the topics in the recording
+          known are the common packages of ROS, those of --msgs DIR, and the types of the topics in the recording
     "#]]
     .assert_eq(&said(&alone(&format!("{SCAN}on violation of lost {{ publish /c geometry_msgs/Twst {{}} }}"))));
     expect![[r#"

@@ -30,6 +30,7 @@ Where to begin:
   lapwing demo                        see violations found on the built-in robots
   lapwing new run.mcap -o robot.rv    a specification to start from, with the topics of your recording
   lapwing check robot.rv run.mcap     check it
+  lapwing monitor robot.rv --ros2     watch a robot that runs
   lapwing explain robot.rv run.mcap   what each property means, needs and costs
 
 Exit codes: 0 all well; 1 a property failed; 2 the command line or a specification is wrong; 3 none failed, but something could not be
@@ -42,12 +43,18 @@ pub enum Command {
     Demo(Demo),
     /// Checks recordings against specifications
     Check(Check),
+    /// Watches a robot that runs
+    Monitor(crate::monitor::args::Monitor),
     /// Runs the built-in simulator, into a file or straight into a check
     Sim(crate::sim::Sim),
     /// Checks the capsule of a violation again, to the same verdict
     Replay(Replay),
     /// Says how often each property would have fired, and which thresholds fit
     Backtest(crate::backtest::Backtest),
+    /// Reads GenoM3 components: checks them, draws them, writes them as models
+    Genom(crate::genom::Genom),
+    /// Runs models in RT-BIP
+    Bip(crate::bip::Bip),
     /// Says what a specification, or a diagnostic code, means
     Explain(Explain),
     /// Lays specifications out canonically, in place
@@ -137,7 +144,7 @@ pub struct Reading {
     /// With --time header: how far apart messages may be and still be put in order
     #[arg(long, value_name = "DURATION", default_value = "1s", value_parser = duration)]
     pub reorder: Duration,
-    /// A folder of message definitions, for recordings that do not bring their own (repeatable)
+    /// A folder of message definitions, for recordings that do not bring their own and for messages that reactions write (repeatable)
     #[arg(long, value_name = "DIR")]
     pub msgs: Vec<PathBuf>,
 }

@@ -2,17 +2,17 @@
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::thread;
 
 use clap::{Args, ColorChoice, ValueEnum};
 use lapwing::tune::{Tunable, search};
-use lapwing::{Options, Report, Session, Spec, Watch};
+use lapwing::{Options, Report, Session, Spec};
 use lapwing_react::Standing;
 use lapwing_react::backtest::{Backtest as Account, Mark, Tried, Tuned, json, text};
 
 use crate::args::Reading;
 use crate::complain::{Complaint, say, styles};
 use crate::exit::Exit;
+use crate::onlooker::Onlooker;
 use crate::words::{is_spec, recordings, specs};
 use crate::{interrupt, jobs};
 
@@ -71,13 +71,12 @@ pub fn run(backtest: &Backtest) -> Result<Exit, Complaint> {
     if spec_words.is_empty() {
         return Err(Complaint::new("no specification is given: one of the arguments must end in .rv"));
     }
-    let specs = specs(&spec_words.iter().map(PathBuf::from).collect::<Vec<_>>(), stderr)?;
+    let specs = specs(&spec_words.iter().map(PathBuf::from).collect::<Vec<_>>(), &backtest.reading.msgs, stderr)?;
     let runs = marked(&traces, &backtest.good, &backtest.bad)?;
-    let cores = thread::available_parallelism().map_or(1, |n| n.get());
     let bench = Bench {
         runs: &runs,
         options: Options { recording: backtest.reading.options(), margins: true, ..Options::default() },
-        threads: backtest.jobs.map_or(cores, |n| n.get()),
+        threads: jobs::threads(backtest.jobs),
     };
     interrupt::listen();
     let mut account = Account::default();
@@ -161,7 +160,7 @@ impl Bench<'_> {
         let one = |number: usize| {
             let trace = &self.runs[number].trace;
             match Session::open(specs, trace, options) {
-                Ok(session) => session.run(&mut Onlooker),
+                Ok(session) => session.run(&mut Onlooker::default()),
                 Err(why) => lapwing::unopened(specs, trace, &why, &mut ()),
             }
         };
@@ -245,13 +244,4 @@ fn tune(bench: &Bench<'_>, account: &Account, specs: &[Spec], name: &str) -> Res
         properties,
         marked,
     }))
-}
-
-/// Stops the reading after an interrupt.
-struct Onlooker;
-
-impl Watch for Onlooker {
-    fn goes_on(&mut self) -> bool {
-        !interrupt::is_stopped()
-    }
 }

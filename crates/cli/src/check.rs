@@ -1,17 +1,17 @@
 //! `lapwing check`: recordings against specifications.
 
 use std::path::{Path, PathBuf};
-use std::thread;
 
-use indicatif::{MultiProgress, ProgressBar};
-use lapwing::{Options, Report, Session, Spec, Watch};
+use indicatif::MultiProgress;
+use lapwing::{Options, Report, Session, Spec};
 use lapwing_diag::Style;
 use lapwing_page::Entry;
-use lapwing_react::{Event, Format, Standing, Tally, end, line, render};
+use lapwing_react::{Format, Standing, Tally, end, render};
 
 use crate::args::Check;
 use crate::complain::{Complaint, say, styles};
 use crate::exit::Exit;
+use crate::onlooker::{Onlooker, Told};
 use crate::page::Page;
 use crate::sink::{Chunk, Sink};
 use crate::words::{Words, recordings, specs};
@@ -21,7 +21,7 @@ use crate::{capsules, interrupt, jobs, progress};
 pub fn run(check: &Check) -> Result<Exit, Complaint> {
     let words = Words::sort(&check.words)?;
     let (stdout, stderr) = styles(check.color);
-    let specs = specs(&words.specs, stderr)?;
+    let specs = specs(&words.specs, &check.reading.msgs, stderr)?;
     let mut traces = recordings(&words.traces)?;
     if let Some(shard) = check.shard {
         let mut number = 0..;
@@ -46,9 +46,15 @@ pub fn run(check: &Check) -> Result<Exit, Complaint> {
     }
     let page = check.report.as_deref().map(Page::create).transpose()?;
     interrupt::listen();
-    let cores = || thread::available_parallelism().map_or(1, |n| n.get());
-    Ok(plan.carry_out(check.jobs.map_or_else(cores, |n| n.get()), page))
+    Ok(plan.carry_out(jobs::threads(check.jobs), page))
 }
+
+/// Said before a wait whose reason nobody would guess.
+const WAITING: &str = "\
+warning: `for each … in topics` stands for all topics, and lines of NDJSON tell theirs only as they come: standard input is read
+         to its end first, and judged then
+  = help: to have robots judged as their messages come, name them: `for each r in (robot1, robot2): …`
+";
 
 /// What is to be checked, and how it is to be told.
 struct Plan<'p> {
@@ -98,7 +104,11 @@ impl Plan<'_> {
     fn one(&self, number: usize, sink: &Sink, bars: &MultiProgress) -> (Tally, Option<Entry>) {
         let trace = &self.traces[number];
         let bar = progress::bar(bars, trace);
-        let mut onlooker = Onlooker { trace: &trace.to_string_lossy(), number, sink, format: self.format, bar: &bar };
+        if !self.quiet && lapwing::waits_for_end(self.specs, trace) {
+            sink.tell(number, Chunk::Note(WAITING.to_owned()));
+        }
+        let name = trace.to_string_lossy();
+        let mut onlooker = Onlooker { told: Told::by(self.format, &name, number, sink), bar: Some(&bar) };
         let (report, histories) = match Session::open(self.specs, trace, &self.options) {
             Ok(session) => {
                 if !self.quiet {
@@ -127,33 +137,5 @@ impl Plan<'_> {
     /// Whether nothing is said of a recording: all is well with it, and only what is not is wanted.
     fn is_left_out(&self, report: &Report) -> bool {
         self.quiet && self.format == Format::Text && report.standing() == Standing::Good
-    }
-}
-
-/// Looks on while a recording is read.
-struct Onlooker<'w> {
-    trace: &'w str,
-    number: usize,
-    sink: &'w Sink,
-    format: Format,
-    bar: &'w ProgressBar,
-}
-
-impl Watch for Onlooker<'_> {
-    fn event(&mut self, event: Event<'_>) {
-        if self.format == Format::Ndjson {
-            self.sink.tell(self.number, Chunk::Part(line(self.trace, event)));
-        }
-    }
-
-    fn progress(&mut self, read: u64, of: u64) {
-        if of > 0 {
-            self.bar.set_length(of);
-        }
-        self.bar.set_position(read);
-    }
-
-    fn goes_on(&mut self) -> bool {
-        !interrupt::is_stopped()
     }
 }

@@ -15,6 +15,8 @@ pub enum Exit {
     Wrong,
     /// None failed, but something could not be judged or was not looked at: 3.
     Open,
+    /// A model came to its end: the codes of the BIP engine.
+    Bip(u8),
 }
 
 impl Exit {
@@ -34,6 +36,7 @@ impl Exit {
             Exit::Failed => 1,
             Exit::Wrong => 2,
             Exit::Open => 3,
+            Exit::Bip(code) => code,
         }
     }
 }

@@ -44,7 +44,7 @@ fn code(name: &str) -> Result<String, Complaint> {
 
 fn specification(arguments: &Explain) -> Result<String, Complaint> {
     let (_, style) = styles(clap::ColorChoice::Auto);
-    let specs = words::specs(&[PathBuf::from(&arguments.what)], style)?;
+    let specs = words::specs(&[PathBuf::from(&arguments.what)], &arguments.reading.msgs, style)?;
     let Some(spec) = specs.first() else { return Ok(String::new()) };
     say(&spec.findings().render(style));
     let trace = arguments.trace.as_deref().map(words::recording).transpose()?;

@@ -1,9 +1,16 @@
 //! Several recordings at once.
 
+use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 use crate::interrupt;
+
+/// As many threads as are wanted, else one for each core.
+pub fn threads(wanted: Option<NonZeroUsize>) -> usize {
+    let cores = || thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    wanted.map_or_else(cores, NonZeroUsize::get)
+}
 
 /// Calls `work` for every number below `count`, on so many threads, each number once and in order of their beginnings. After an
 /// interrupt no further ones are begun. Gives the results of those that were, by number.

@@ -9,18 +9,23 @@ mod exit;
 mod library;
 
 mod backtest;
+mod bip;
 mod check;
 mod demo;
 mod explain;
 mod fmt;
+mod genom;
+mod monitor;
 mod new;
 mod replay;
 mod sim;
 
 mod capsules;
 mod complain;
+mod graph;
 mod interrupt;
 mod jobs;
+mod onlooker;
 mod page;
 mod progress;
 mod sink;
@@ -40,9 +45,12 @@ fn main() -> ExitCode {
         Command::Check(check) => check::run(&check),
         Command::Replay(replay) => replay::run(&replay),
         Command::Backtest(backtest) => backtest::run(&backtest),
+        Command::Genom(genom) => genom::run(&genom),
+        Command::Bip(bip) => bip::run(&bip),
         Command::Explain(explain) => explain::run(&explain),
         Command::Fmt(fmt) => fmt::run(&fmt),
         Command::New(new) => new::run(&new),
+        Command::Monitor(monitor) => monitor::run(&monitor),
         Command::Sim(sim) => sim::run(&sim),
     };
     exit.unwrap_or_else(|complaint| {

@@ -46,14 +46,14 @@ pub fn is_spec(word: &str) -> bool {
     word.ends_with(".rv")
 }
 
-/// Reads all specifications. What is wrong with any of them is said of all.
-pub fn specs(paths: &[PathBuf], style: Style) -> Result<Vec<Spec>, Complaint> {
+/// Reads all specifications, with message definitions from those folders. What is wrong with any of them is said of all.
+pub fn specs(paths: &[PathBuf], msgs: &[PathBuf], style: Style) -> Result<Vec<Spec>, Complaint> {
     let (mut specs, mut faults) = (Vec::new(), String::new());
     for path in paths {
         if !path.exists() {
             return Err(missing(path));
         }
-        match Spec::load(path) {
+        match Spec::load_with(path, msgs) {
             Ok(spec) => specs.push(spec),
             Err(SpecError::Wrong(findings)) => faults += &findings.render(style),
             Err(unreadable) => return Err(Complaint::new(unreadable.to_string())),

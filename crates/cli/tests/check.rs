@@ -283,3 +283,17 @@ fn an_instance_over_topics_is_made_for_a_topic_that_appears_late() {
         "[(String(\"v[r1]\"), String(\"holds\")), (String(\"v[r2]\"), String(\"violated\"))]"
     );
 }
+
+#[test]
+fn reactions_write_messages_of_share_trees() {
+    let spec = "slow: never x > 1\non violation of slow { publish /stop my_msgs/Stop { hrad: true } }\n";
+    let folder = Folder::new(&[("spec.rv", spec), ("run.csv", "time,x\n0,0\n")]);
+    folder.write("share/my_msgs/msg/Stop.msg", b"bool hard\n");
+    let without = folder.lapwing("check spec.rv run.csv");
+    assert!(without.stderr.contains("no definition of my_msgs/Stop is known"), "{}", without.stderr);
+    for command in ["check spec.rv run.csv --msgs share", "explain spec.rv --msgs share"] {
+        let said = folder.lapwing(command);
+        assert!(said.stderr.contains("my_msgs/Stop has no field `hrad`; did you mean `hard`?"), "{}", said.stderr);
+        assert_eq!(said.code, 2, "{command}");
+    }
+}

@@ -51,6 +51,62 @@ fn topics_that_appear_late_have_instances() {
         properties.iter().map(|p| (p["name"].as_str().unwrap(), p["verdict"].as_str().unwrap())).collect();
     assert_eq!(verdicts, [("line 2[r1]", "holds"), ("line 2[r2]", "violated")], "{report:#}");
     assert_eq!(output.status.code(), Some(1));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("standard input is read\n         to its end first, and judged then"), "{said}");
+}
+
+/// A property over topics, and one that can be judged at once.
+#[test]
+fn a_table_is_judged_as_it_comes() {
+    let spec = "never x > 2\nfor each r in topics /{r}/v: age(/{r}/v) < 5\n";
+    let (_dir, mut child) = check(spec, &["--format", "ndjson"]);
+    let mut to = child.stdin.take().unwrap();
+    to.write_all(b"time,x\n0,3\n").unwrap();
+    to.flush().unwrap();
+    let mut from = BufReader::new(child.stdout.take().unwrap()).lines();
+    // Its input goes on: the answer is there before its end.
+    let violation = from.find(|line| line.as_ref().unwrap().contains("\"violation\"")).unwrap().unwrap();
+    assert!(violation.contains("\"failed_ns\":0"), "{violation}");
+    drop(to);
+    assert_eq!(child.wait().unwrap().code(), Some(1));
+}
+
+/// What is said of lines on standard input.
+fn said_of(spec: &str, lines: &str) -> serde_json::Value {
+    let (_dir, mut child) = check(spec, &["--format", "json"]);
+    child.stdin.take().unwrap().write_all(lines.as_bytes()).unwrap();
+    serde_json::from_slice(&child.wait_with_output().unwrap().stdout).unwrap()
+}
+
+#[test]
+fn names_that_never_came_were_meant_otherwise() {
+    let lines = concat!(
+        r#"{"t":1,"values":{"first":1}}"#,
+        "\n",
+        r#"{"t":2,"values":{"speed":1,"pose":{"x":1,"y":[1,2]}}}"#,
+        "\n",
+        r#"{"t":3,"event":"kick"}"#,
+        "\n",
+    );
+    let report = said_of(
+        concat!("event kik\na: sped < 2\nb: pose.z < frist\n", "d: never kik\ne: never kick > 1\nf: mode < 1\n"),
+        lines,
+    );
+    let causes: Vec<_> = report[0]["properties"].as_array().unwrap().iter().map(|p| p["cause"].as_str()).collect();
+    let expected = [
+        Some("no value ever came: sped; did you mean `speed`?"),
+        Some("no value ever came: pose.z, frist; did you mean `first` for `frist`, `pose.x` for `pose.z`?"),
+        None,
+        Some("no value ever came: kick; `kick` came as an event: declare it, `event kick`"),
+        Some("no value ever came: mode"),
+    ];
+    assert_eq!(causes, expected, "{report:#}");
+    let warnings = report[0]["warnings"].to_string();
+    assert!(warnings.contains("no event `kik` came, but `kick` did"), "{report:#}");
+    let message = r#"{"t":0,"topic":"/odom","type":"std_msgs/Float64","msg":{"data":1}}"#;
+    let report = said_of("decl x /odmo std_msgs/Float64.data\nx < 2\n", message);
+    let cause = &report[0]["properties"][0]["cause"];
+    assert_eq!(cause, "no value ever came: /odmo; did you mean `/odom`?", "{report:#}");
 }
 
 #[cfg(unix)]

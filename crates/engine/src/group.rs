@@ -82,6 +82,11 @@ impl Core {
         if self.rests { self.walk.quiet_until() } else { NOW }
     }
 
+    /// How many instants have been looked at, or made up for.
+    pub fn stepped(&self) -> u64 {
+        self.stepped
+    }
+
     /// Counts the instants that were not looked at, of `instants` in all until now, the last at `last`: at each of them the verdicts were
     /// what they are.
     #[inline]
@@ -232,7 +237,7 @@ impl Core {
         let Core { key, walk, graph, trackers, positions, .. } = self;
         let n = *positions - 1;
         let whole = &mut graph.segments[0];
-        if n == 0 {
+        if !whole.open {
             (whole.open, whole.active, whole.first, whole.start_stamp) = (true, true, true, now);
         } else {
             whole.first = false;
@@ -333,6 +338,21 @@ impl Core {
         for tracker in &mut self.trackers {
             tracker.open.clear();
             tracker.seal_all();
+        }
+    }
+
+    /// The monitor starts afresh after so many instants, the last at `last`; what it has counted stands.
+    pub fn start_afresh(&mut self, plan: &Group, inputs: &Inputs, instants: u64, last: i64) {
+        self.catch_up(plan, instants, last);
+        self.rests = false;
+        self.walk.start_afresh(&plan.at, inputs);
+        self.times = Times::default();
+        self.graph = Graph::new(&plan.contexts, &plan.futures);
+        self.trackers.iter_mut().for_each(TrackerState::start_afresh);
+        for (state, look) in self.looks.iter_mut().zip(&plan.looks) {
+            let entries = state.counts.last().copied().unwrap_or(0);
+            *state = LookState::new(look);
+            state.counts.last_mut().into_iter().for_each(|counted| *counted = entries);
         }
     }
 

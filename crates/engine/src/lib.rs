@@ -13,7 +13,9 @@
 //!    ([`tracker`]).
 //! 4. Where it is asked for, margins are computed beside ([`mod@margin`]).
 //!
-//! A state can be written as bytes and read back ([`saved`]).
+//! The monitor of one property can start afresh ([`reset`](State::reset)).
+//!
+//! A state can be written as bytes and read back ([`saved`]), and asked how a property stands so far ([`State::standing`]).
 //!
 //! There is no I/O here, no clock, no thread, no randomness and no iteration in hash order: time comes with the sample, and
 //! [`State::next_deadline`] tells a live caller when to wake up. After warm-up a step does not allocate.
@@ -40,8 +42,10 @@ mod node;
 pub mod outcome;
 mod past;
 mod piece;
+mod reset;
 mod runs;
 pub mod saved;
+mod standing;
 mod times;
 mod tracker;
 mod walk;
@@ -52,3 +56,4 @@ pub use functions::{compare, numeric};
 pub use outcome::{Episode, Observer, Outcome, Output};
 pub use program::Program;
 pub use saved::NotResumed;
+pub use standing::Standing;

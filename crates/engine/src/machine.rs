@@ -124,6 +124,14 @@ impl MachineMemory {
         tell.output(inputs, Output::Alarm { property: plan.property, instance: &[], began, failed, why: Some(why) });
     }
 
+    /// It stands in its initial state, as before its first sample. What it has counted stands.
+    pub fn start_afresh(&mut self, plan: &Machine, number: usize, inputs: &mut Inputs) {
+        self.walk.start_afresh(&plan.at, inputs);
+        self.seen.clone_from(&inputs.versions);
+        (self.since, self.overstayed) = (0, false);
+        inputs.machines[number] = Some(plan.initial);
+    }
+
     /// Since when it is in its state.
     pub fn since(&self) -> Time {
         Time(self.since)

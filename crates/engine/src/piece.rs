@@ -2,16 +2,17 @@
 
 use alloc::vec::Vec;
 
-use lapwing_stream::{Sample, Time, What};
+use lapwing_stream::{Sample, Time, Value, What};
 use serde::{Deserialize, Serialize};
 
 use crate::feed::Ending;
+use crate::group::Core;
 use crate::inputs::Inputs;
 use crate::instances::Instances;
 use crate::machine::MachineMemory;
 use crate::outcome::{Observer, Outcome, Output};
 use crate::past::NOW;
-use crate::program::{Clock, Program, Read};
+use crate::program::{Clock, Judge, Program, Read};
 use crate::world::ObjectMemory;
 
 /// At most so many instants of a rate between two samples; a longer silence starts everything anew, as a jump back does.
@@ -267,6 +268,29 @@ impl Piece {
     fn step_machines(&mut self, program: &Program, now: i64, tell: &mut impl Observer) {
         for (i, (memory, plan)) in self.machines.iter_mut().zip(&program.machines).enumerate() {
             memory.step(plan, i, &mut self.inputs, now, tell);
+        }
+    }
+
+    /// The monitor of a property starts afresh: of one instance, where one is given. Returns whether it could.
+    pub(crate) fn reset(&mut self, program: &Program, property: usize, instance: Option<&[Value]>) -> bool {
+        let judge = program.properties.get(property).map(|p| p.judge);
+        match judge {
+            Some(Judge::Group(group)) => {
+                let (plan, instants, last) = (&program.groups[group], self.instants, self.last_instant);
+                let is_alone = plan.trackers.iter().all(|t| t.property == property);
+                let is_meant = |core: &&mut Core| instance.is_none_or(|wanted| core.key.iter().flatten().eq(wanted));
+                if is_alone {
+                    let cores = self.groups[group].cores.iter_mut().filter(is_meant);
+                    cores.for_each(|core| core.start_afresh(plan, &self.inputs, instants, last));
+                    self.calm_until = NOW;
+                }
+                is_alone
+            }
+            Some(Judge::Machine(machine)) => {
+                self.machines[machine].start_afresh(&program.machines[machine], machine, &mut self.inputs);
+                true
+            }
+            _ => false,
         }
     }
 

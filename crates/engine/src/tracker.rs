@@ -161,6 +161,13 @@ impl TrackerState {
         });
     }
 
+    /// What is open is given up, and whatever fails from here on is another episode. What was counted stands.
+    pub fn start_afresh(&mut self) {
+        self.open.clear();
+        self.seal_all();
+        self.unmet_since = None;
+    }
+
     /// What is open can no longer be judged.
     pub fn spoil(&mut self) {
         self.is_spoilt = true;

@@ -50,6 +50,13 @@ impl Walk {
         walk
     }
 
+    /// Position 0 is still to come. What was remarked stands.
+    pub fn start_afresh(&mut self, at: &Positions, inputs: &Inputs) {
+        let fresh = Walk::new(at, inputs, self.notes.nans.len());
+        let (notes, faults) = (core::mem::take(&mut self.notes), core::mem::take(&mut self.faults));
+        *self = Walk { notes, faults, ..fresh };
+    }
+
     fn blank(at: &Positions, counters: usize) -> Walk {
         Walk {
             started: false,

@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use lapwing_check::checked::{self, Body, Expr, Kind};
 use lapwing_engine::{Episode, Outcome};
 use lapwing_react::{Obligations, Property, Scope, Violation};
-use lapwing_stream::{Time, Value, Verdict};
+use lapwing_stream::{Time, Verdict};
 
 use crate::hints;
+use crate::instance::{self, Instance};
 use crate::losses::Damage;
 use crate::spec::Spec;
 use crate::witness::Found;
@@ -24,20 +25,9 @@ pub(crate) fn blank(spec: &Spec, meaning: &checked::Spec, property: &checked::Pr
     }
 }
 
-/// The name of an instance: that of the property, and the values of its slices.
-pub(crate) fn name(property: &str, instance: &[Value]) -> String {
-    let suffix = instance.iter().map(|value| match value {
-        Value::Str(s) => format!("[{s}]"),
-        Value::Num(x) => format!("[{x}]"),
-        Value::Bool(b) => format!("[{b}]"),
-        other => format!("[{}]", other.kind()),
-    });
-    property.to_owned() + &suffix.collect::<String>()
-}
-
 /// The failures that were noted, by what tells an episode from others.
 pub(crate) struct Notes<'f> {
-    by_episode: BTreeMap<(usize, String, Time, Time), Vec<&'f Found>>,
+    by_episode: BTreeMap<(Instance, Time, Time), Vec<&'f Found>>,
 }
 
 impl<'f> Notes<'f> {
@@ -45,16 +35,16 @@ impl<'f> Notes<'f> {
     pub fn new(found: &'f [Found]) -> Notes<'f> {
         let mut by_episode: BTreeMap<_, Vec<&Found>> = BTreeMap::new();
         for one in found.iter().rev() {
-            let key = (one.property, name("", &one.instance), one.violation.failed, one.violation.began);
+            let key = (Instance::of(one.property, &one.instance), one.violation.failed, one.violation.began);
             by_episode.entry(key).or_default().push(one);
         }
         Notes { by_episode }
     }
 
     /// What is known of an episode. Two that look alike get one note each.
-    fn violation(&mut self, property: usize, instance: &str, episode: Episode) -> Violation {
+    fn violation(&mut self, instance: &Instance, episode: Episode) -> Violation {
         let Episode { failed, began, until, count } = episode;
-        let noted = self.by_episode.get_mut(&(property, instance.to_owned(), failed, began));
+        let noted = self.by_episode.get_mut(&(instance.clone(), failed, began));
         let blank =
             Violation { began, failed, until, count, values: None, began_values: None, history: Vec::new(), why: None };
         match noted.and_then(|notes| if notes.len() > 1 { notes.pop() } else { notes.last().copied() }) {
@@ -66,15 +56,15 @@ impl<'f> Notes<'f> {
 
 /// What is said of a property, or of one of its instances.
 pub(crate) fn property(blank: Property, outcome: &Outcome, notes: &mut Notes<'_>) -> Property {
-    let instance = name("", &outcome.instance);
+    let instance = Instance::of(outcome.property, &outcome.instance);
     let mut property = Property {
-        name: name(&blank.name, &outcome.instance),
+        name: instance::name(&blank.name, &outcome.instance),
         verdict: outcome.verdict,
         cause: outcome.cause.clone().filter(|_| outcome.verdict == Verdict::Inconclusive),
         vacuous: outcome.vacuous,
         obligations: Obligations { met: outcome.met, failed: outcome.failed, open: outcome.open },
         margin: outcome.margin,
-        violations: outcome.episodes.iter().map(|e| notes.violation(outcome.property, &instance, *e)).collect(),
+        violations: outcome.episodes.iter().map(|e| notes.violation(&instance, *e)).collect(),
         nans: outcome.nans,
         unmet_since: outcome.unmet_since.filter(|_| outcome.verdict == Verdict::Unmet),
         ..blank

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use lapwing_check::checked::{self, EventSource, Step};
-use lapwing_record::{Cells, Item, Part, Path, Wanted};
+use lapwing_record::{Cells, Item, Part, Path, Signal, Wanted};
 use lapwing_stream::{Name, Sample, Value, What};
 
 /// What all specifications of a session want of the recording. Each one's fields of a topic lie side by side, and so do its columns, so
@@ -69,7 +69,7 @@ pub(crate) struct Intake {
 #[derive(Debug)]
 struct Fields {
     event: usize,
-    paths: Vec<checked::Path>,
+    fields: Vec<Signal>,
 }
 
 impl Intake {
@@ -83,10 +83,11 @@ impl Intake {
             }
             topics[wanted] = Some((number, fields));
         }
-        let named = spec.events.iter().enumerate().filter(|(_, e)| e.source == EventSource::Named);
+        let by_name = |source: &EventSource| matches!(source, EventSource::Named | EventSource::Point(_));
+        let named = spec.events.iter().enumerate().filter(|(_, e)| by_name(&e.source));
         let events = named.map(|(event, e)| {
-            let paths = e.fields.iter().map(|f| f.path.clone()).collect();
-            (e.name.clone(), Fields { event, paths })
+            let fields = e.fields.iter().map(|f| Signal::new(&path(&f.path).to_string())).collect();
+            (e.name.clone(), Fields { event, fields })
         });
         Intake { topics, columns: wants.add_columns(&spec.columns), events: events.collect(), values: Vec::new() }
     }
@@ -111,26 +112,15 @@ impl Intake {
         }
     }
 
-    fn event(&mut self, name: &str, fields: Cells<'_>) -> What<'_> {
-        let Some(Fields { event, paths }) = self.events.get(name) else { return What::Other };
-        self.values.resize_with(paths.len(), Value::default);
-        for (path, value) in paths.iter().zip(&mut self.values) {
-            match follow(fields, path) {
-                Some(found) => value.clone_from(found),
+    fn event(&mut self, name: &str, cells: Cells<'_>) -> What<'_> {
+        let Some(Fields { event, fields }) = self.events.get(name) else { return What::Other };
+        self.values.resize_with(fields.len(), Value::default);
+        for (field, value) in fields.iter().zip(&mut self.values) {
+            match field.find_in(cells) {
+                Some(found) => value.clone_from(&found),
                 None => *value = Value::Missing,
             }
         }
         What::Event { event: *event, values: &self.values }
     }
-}
-
-/// The value at the end of a way.
-fn follow<'a>(fields: Cells<'a>, path: &[Step]) -> Option<&'a Value> {
-    let (Step::Field(first), rest) = path.split_first()? else { return None };
-    let value = fields.get(first)?;
-    rest.iter().try_fold(value, |value, step| match (step, value) {
-        (Step::Field(name), value) => value.field(name),
-        (Step::Index(index), Value::List(list)) => list.get(*index),
-        (Step::Index(_), _) => None,
-    })
 }

@@ -19,24 +19,36 @@
 //! against once more; what is then wanted of it is read; each item goes to a `run` for each specification, which feeds the
 //! engine, and whose `witness` keeps what a report will need; at the end an `account` of each property
 //! is drawn up. Where a page is wanted, a `history` notes beside it how everything went over time.
+//!
+//! A running program takes the same way from the `run` on: its [`Monitor`] is handed samples instead of a recording. The feature
+//! `recordings`, on by default, brings in what reads files; a program that is only monitored does without.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
+// What only sessions over recordings ask for lies idle without them.
+#![cfg_attr(not(feature = "recordings"), allow(dead_code))]
 
+mod monitor;
+#[cfg(feature = "recordings")]
 mod session;
 mod spec;
 mod types;
 mod watch;
 
+mod instance;
+#[cfg(feature = "recordings")]
 mod intake;
 mod losses;
+mod needs;
 mod run;
+#[cfg(feature = "recordings")]
 mod shape;
 
 mod eval;
 mod moment;
 mod ring;
 mod shown;
+mod ticks;
 mod trail;
 mod witness;
 
@@ -44,16 +56,28 @@ mod history;
 
 mod account;
 mod hints;
+mod meant;
 mod words;
 
+#[cfg(feature = "recordings")]
 pub mod capsule;
 pub mod explain;
+#[cfg(feature = "recordings")]
+pub mod live;
+#[cfg(feature = "recordings")]
 pub mod starter;
+#[cfg(feature = "recordings")]
+pub mod status;
 pub mod tune;
 
 pub use lapwing_check::{LIBRARIES, Library, ShippedPattern};
 pub use lapwing_react::{Report, Standing};
+#[cfg(feature = "recordings")]
 pub use lapwing_record::{OpenError, TimeSource};
+pub use monitor::{Monitor, News, Unseen};
+#[cfg(feature = "recordings")]
 pub use session::{Options, Session, unopened};
+#[cfg(feature = "recordings")]
+pub use shape::waits_for_end;
 pub use spec::{Findings, Spec, SpecError};
 pub use watch::Watch;

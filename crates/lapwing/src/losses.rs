@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use lapwing_check::checked::Topic;
 use lapwing_engine::Ending;
+#[cfg(feature = "recordings")]
 use lapwing_record::{Loss, ReadError};
+#[cfg(feature = "recordings")]
 use lapwing_stream::Time;
 
 /// What could not be read or was not looked at.
@@ -22,6 +24,7 @@ pub(crate) struct Damage {
 
 impl Damage {
     /// From what a reader says. A loss after the last message means that the recording broke off there.
+    #[cfg(feature = "recordings")]
     pub fn new(losses: &[Loss], error: Option<&ReadError>, last: Option<Time>) -> Damage {
         let mut damage = Damage { gaps: losses.iter().map(Loss::to_string).collect(), ..Damage::default() };
         for loss in losses {
@@ -55,7 +58,7 @@ impl Damage {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "recordings"))]
 mod tests {
     use super::*;
     use lapwing_record::{Place, Position};

@@ -1,21 +1,23 @@
-//! One specification over one recording.
+//! One specification over what comes, sample by sample: from a recording or from a running program.
+
+use std::borrow::Cow;
 
 use lapwing_check::{checked, compile};
 use lapwing_diag::{Code, Diagnostic, Severity};
 use lapwing_engine::inputs::Inputs;
-use lapwing_engine::{Observer, Output, Program, State};
+use lapwing_engine::program::{Clock, Future, FutureKind};
+use lapwing_engine::{Ending, Observer, Output, Program, Standing, State};
 use lapwing_react::history::History;
-use lapwing_react::{Property, Topic, Violation, Warning};
-use lapwing_record::Item;
-use lapwing_stream::{Time, Value, Verdict};
+use lapwing_react::{Property, Reading, Topic, Violation, Warning};
+use lapwing_stream::{Sample, Time, Value, Verdict};
 
 use crate::account::{self, Notes};
 use crate::explain;
 use crate::hints::{self, Latch};
 use crate::history::Recorder;
-use crate::intake::{Intake, Wants};
+use crate::instance;
 use crate::losses::Damage;
-use crate::session::Options;
+use crate::meant::{self, Met};
 use crate::shown;
 use crate::spec::Spec;
 use crate::trail::Positions;
@@ -24,15 +26,23 @@ use crate::witness::{Interest, Witness};
 /// A share of messages that no instant saw, beyond which there is a warning.
 const UNSEEN: f64 = 0.1;
 
-/// One specification over one recording.
+/// What is noted of a run beside its verdicts.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Noting {
+    /// By how much each property missed changing its verdict.
+    pub margins: bool,
+    /// How signals and properties go over time, and how many points at most of each.
+    pub history: Option<usize>,
+}
+
+/// One specification over what comes.
 pub(crate) struct Run<'s> {
-    spec: &'s Spec,
+    spec: Cow<'s, Spec>,
     meaning: checked::Spec,
     /// What the recording revealed of the specification.
     pub diagnostics: Vec<Diagnostic>,
     program: Program,
     state: State,
-    intake: Intake,
     witness: Witness,
     latches: Vec<Option<Latch>>,
     /// Notes how it goes, where that is asked for.
@@ -47,15 +57,27 @@ pub(crate) struct Run<'s> {
     unmeasured: Vec<String>,
 }
 
+/// A violation that has not been told.
+pub(crate) struct Untold {
+    /// The number of the property.
+    pub number: usize,
+    /// The values of its slices.
+    pub instance: Vec<Value>,
+    /// The property, or its instance, as far as it is known.
+    pub property: Property,
+    /// What is known of the violation.
+    pub violation: Violation,
+}
+
 impl<'s> Run<'s> {
-    /// A run over a recording that has been checked; `wants` gets what is to be read of it.
-    pub fn new(spec: &'s Spec, checked: lapwing_check::Checked, options: &Options, wants: &mut Wants) -> Run<'s> {
+    /// A run of a specification that has been checked against what will come.
+    pub fn new(spec: Cow<'s, Spec>, checked: lapwing_check::Checked, noting: Noting) -> Run<'s> {
         let diagnostics = checked.beyond(&spec.findings().diagnostics).cloned().collect();
         let meaning = checked.spec;
         let program = compile::compile(&meaning);
-        let latches: Vec<_> = meaning.properties.iter().map(|p| Latch::of(spec, p)).collect();
+        let latches: Vec<_> = meaning.properties.iter().map(|p| Latch::of(&spec, p)).collect();
         let interest = |(property, latch): (&checked::Property, &Option<Latch>)| Interest {
-            shown: shown::everything(spec, &meaning, property),
+            shown: shown::everything(&spec, &meaning, property),
             positions: Positions::of(&meaning, property),
             latch: latch.clone(),
             latency: explain::latency(property),
@@ -63,26 +85,61 @@ impl<'s> Run<'s> {
         };
         let interests = meaning.properties.iter().zip(&latches).map(interest).collect();
         Run {
-            spec,
             diagnostics,
-            state: if options.margins { State::with_margins(&program) } else { State::new(&program) },
-            intake: Intake::new(&meaning, wants),
-            witness: Witness::new(meaning.clock, interests),
+            state: if noting.margins { State::with_margins(&program) } else { State::new(&program) },
+            witness: Witness::new(&meaning, interests),
             latches,
-            blanks: meaning.properties.iter().map(|p| account::blank(spec, &meaning, p)).collect(),
-            recorder: options.history.map(|most| Recorder::new(spec, &meaning, most)),
+            blanks: meaning.properties.iter().map(|p| account::blank(&spec, &meaning, p)).collect(),
+            recorder: noting.history.map(|most| Recorder::new(&spec, &meaning, most)),
             told: 0,
             jumps_told: 0,
             unmeasured: Vec::new(),
+            spec,
             meaning,
             program,
         }
     }
 
+    /// What the specification means here.
+    pub fn meaning(&self) -> &checked::Spec {
+        &self.meaning
+    }
+
+    /// Whether anything ever happens by the mere passing of time.
+    pub fn may_wait(&self) -> bool {
+        let Program { clock, groups, machines, .. } = &self.program;
+        let ages = groups.iter().map(|g| &g.at).chain(machines.iter().map(|m| &m.at)).any(|at| !at.ages.is_empty());
+        let stays = machines.iter().flat_map(|m| &m.states).any(|s| s.at_most.is_some());
+        let ends = |future: &Future| match &future.kind {
+            FutureKind::Eventually(bound, _) | FutureKind::Until(bound, ..) => bound.has_end(),
+            FutureKind::Replay(_) => true,
+            _ => false,
+        };
+        *clock != Clock::Events || ages || stays || groups.iter().flat_map(|g| &g.futures).any(ends)
+    }
+
+    /// When something happens though nothing comes.
+    pub fn next_deadline(&mut self) -> Option<Time> {
+        self.state.next_deadline(&self.program)
+    }
+
+    /// The state in which a machine stands.
+    pub fn state_of(&self, machine: &str) -> Option<&str> {
+        let number = self.meaning.machines.iter().position(|m| m.name == machine)?;
+        let state = self.state.inputs().state(number)?;
+        self.meaning.machines.get(number)?.states.get(state).map(|s| s.name.as_str())
+    }
+
+    /// The monitor of an instance of a property starts afresh. Returns whether it could.
+    pub fn reset(&mut self, property: usize, instance: &[Value]) -> bool {
+        self.witness.forget(property);
+        self.state.reset_instance(&self.program, property, instance)
+    }
+
     /// Takes in what comes next.
-    pub fn take(&mut self, item: &Item<'_>) {
-        let sample = self.intake.sample(item);
-        self.witness.arrives(sample.time);
+    #[inline]
+    pub fn take(&mut self, sample: Sample<'_>) {
+        self.witness.arrives(&sample);
         match &mut self.recorder {
             None => self.state.feed(&self.program, sample, &mut self.witness),
             Some(recorder) => {
@@ -92,13 +149,38 @@ impl<'s> Run<'s> {
         }
     }
 
+    /// How things stand of a property now, by its name.
+    pub fn standing(&self, name: &str) -> Standing {
+        let number = self.blanks.iter().position(|blank| blank.name == name);
+        number.map_or_else(Standing::default, |number| self.state.standing(&self.program, number))
+    }
+
+    /// What a property shows, as it is now.
+    pub fn present(&self, name: &str) -> Vec<Reading> {
+        let number = self.blanks.iter().position(|blank| blank.name == name);
+        number.map_or_else(Vec::new, |number| self.witness.readings(number, &[], self.state.inputs()))
+    }
+
+    /// The worst margins of properties so far, where margins are computed. It takes a copy of the state: not for every step.
+    pub fn margins(&self) -> Vec<(String, f64)> {
+        let outcomes = self.state.clone().finish(&self.program, &Ending::default(), &mut ());
+        let named = outcomes.iter().filter_map(|o| Some((self.blanks.get(o.property)?.name.clone(), o.margin?)));
+        named.collect()
+    }
+
     /// The next violation that has not been told, with the property that it is of.
-    pub fn news(&mut self) -> Option<(Property, Violation)> {
+    #[inline]
+    pub fn news(&mut self) -> Option<Untold> {
         let found = self.witness.found().get(self.told)?;
         self.told += 1;
         let blank = self.blanks.get(found.property)?;
-        let name = account::name(&blank.name, &found.instance);
-        Some((Property { name, verdict: Verdict::Violated, ..blank.clone() }, found.violation.clone()))
+        let name = instance::name(&blank.name, &found.instance);
+        Some(Untold {
+            number: found.property,
+            instance: found.instance.clone(),
+            property: Property { name, verdict: Verdict::Violated, ..blank.clone() },
+            violation: found.violation.clone(),
+        })
     }
 
     /// The next jump of time that has not been told.
@@ -143,8 +225,9 @@ impl<'s> Run<'s> {
             .collect()
     }
 
-    /// The recording is over.
-    pub fn finish(&mut self, damage: &Damage) -> Vec<Property> {
+    /// The recording is over; it had what was `met`, and that damage. What became of each property, with its number; of one with instances, each of
+    /// them.
+    pub fn finish(&mut self, damage: &Damage, met: &Met) -> Vec<(usize, Property)> {
         let ending = damage.ending(&self.meaning.topics);
         let outcomes = match &mut self.recorder {
             None => self.state.finish(&self.program, &ending, &mut self.witness),
@@ -160,6 +243,7 @@ impl<'s> Run<'s> {
             let Some(blank) = self.blanks.get(outcome.property) else { continue };
             let mut property = account::property(blank.clone(), outcome, &mut notes);
             account::doubt(&mut property, damage);
+            self.guess(outcome.property, &mut property, met);
             if property.verdict == Verdict::Unmet {
                 property.at_end = self.witness.readings(outcome.property, &outcome.instance, self.state.inputs());
             }
@@ -180,9 +264,17 @@ impl<'s> Run<'s> {
             if let Some(recorder) = &mut self.recorder {
                 recorder.judged(outcome, &property);
             }
-            properties.push(property);
+            properties.push((outcome.property, property));
         }
         properties
+    }
+
+    /// Adds to the cause of a property that waited in vain what may have been meant.
+    fn guess(&self, number: usize, property: &mut Property, met: &Met) {
+        let (Some(checked), Some(cause)) = (self.meaning.properties.get(number), &mut property.cause) else { return };
+        if let Some(guess) = meant::instead(&self.meaning, checked, cause, self.state.inputs(), met) {
+            *cause += &format!("; {guess}");
+        }
     }
 
     /// How it went, where that was asked for.
@@ -191,7 +283,7 @@ impl<'s> Run<'s> {
     }
 
     /// What only the whole run shows.
-    pub fn warnings(&self, properties: &[Property]) -> Vec<Warning> {
+    pub fn warnings(&self, properties: &[Property], met: &Met) -> Vec<Warning> {
         let unseen = self.topics().into_iter().filter(|t| t.unseen as f64 > UNSEEN * t.messages as f64).map(|t| {
             let share = 100.0 * t.unseen as f64 / t.messages.max(1) as f64;
             let what = format!("{share:.0} % of the messages of {} ({} of {})", t.name, t.unseen, t.messages);
@@ -212,7 +304,8 @@ impl<'s> Run<'s> {
             let why = format!("more than {limit} values would have to be kept until the end");
             Warning::plain(format!("{name} has no margin: {why}"))
         });
-        unseen.chain(latched).chain(unmeasured).collect()
+        let strangers = meant::events(&self.meaning, met);
+        unseen.chain(latched).chain(unmeasured).chain(strangers).collect()
     }
 }
 

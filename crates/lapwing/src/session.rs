@@ -1,16 +1,18 @@
 //! A session: specifications over one recording, read once.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use lapwing_diag::Style;
 use lapwing_react::history::History;
-use lapwing_react::{Event, Report, Topic, Warning};
+use lapwing_react::{Event, Property, Report, Topic, Warning};
 use lapwing_record::{OpenError, ReadError, Reader, Recording};
 use lapwing_stream::Time;
 
-use crate::intake::Wants;
+use crate::intake::{Intake, Wants};
+use crate::live::replay;
 use crate::losses::Damage;
-use crate::run::Run;
+use crate::run::{Noting, Run};
 use crate::shape;
 use crate::spec::Spec;
 use crate::watch::Watch;
@@ -33,9 +35,12 @@ pub struct Options {
 
 /// Specifications over one recording, which is read once. Each specification has its own clock and its own state.
 pub struct Session<'s> {
+    specs: &'s [Spec],
     recording: Recording,
     wants: Wants,
     runs: Vec<Run<'s>>,
+    /// What each of them reads of the recording.
+    intakes: Vec<Intake>,
     report: Report,
     options: Options,
 }
@@ -52,18 +57,22 @@ impl<'s> Session<'s> {
     pub fn over(specs: &'s [Spec], recording: Recording, trace: &Path, options: &Options) -> Session<'s> {
         let shape = shape::of(&recording);
         let mut wants = Wants::default();
-        let runs: Vec<Run> =
-            specs.iter().map(|spec| Run::new(spec, spec.against(&shape), options, &mut wants)).collect();
+        let noting = Noting { margins: options.margins, history: options.history };
+        let run = |spec: &'s Spec| Run::new(Cow::Borrowed(spec), spec.against(&shape), noting);
+        let runs: Vec<Run> = specs.iter().map(run).collect();
+        let intakes = runs.iter().map(|run| Intake::new(run.meaning(), &mut wants)).collect();
         let mut report = blank(specs, trace);
         report.properties = runs.iter().flat_map(|run| run.blanks.clone()).collect();
         report.topics = topics(&runs, &recording);
-        Session { recording, wants, runs, report, options: options.clone() }
+        Session { specs, recording, wants, runs, intakes, report, options: options.clone() }
     }
 
     /// What the recording revealed of the specifications, as text with places: topics that are not there, fields that types lack.
     pub fn findings(&self, style: Style) -> Vec<String> {
         let of_run = |run: &Run| run.diagnostics.iter().map(|d| run.render(d, style)).collect::<Vec<_>>();
-        self.runs.iter().flat_map(of_run).collect()
+        // What a live run did not see is told as it happened.
+        let is_of_a_run = replay::is_of_a_run(&self.recording);
+        self.runs.iter().filter(|_| !is_of_a_run).flat_map(of_run).collect()
     }
 
     /// Reads the recording to its end.
@@ -74,17 +83,22 @@ impl<'s> Session<'s> {
     /// Reads the recording to its end, and gives for each specification how its signals and properties went over time, where
     /// [`Options::history`] asks for it. The properties of the report are those of the first specification, then those of the second, and so on.
     pub fn run_noting(self, watch: &mut dyn Watch) -> (Report, Vec<History>) {
-        let Session { recording, wants, mut runs, mut report, options } = self;
+        let Session { specs, recording, wants, mut runs, intakes, mut report, options } = self;
+        if replay::is_of_a_run(&recording) {
+            return replay::replay(specs, recording, Path::new(&report.trace), &options, watch);
+        }
         watch.event(Event::Start(&report));
         runs.iter().flat_map(Run::revelations).for_each(|w| warn(&mut report, w, watch));
         let types: Vec<Topic> = std::mem::take(&mut report.topics);
-        let mut course =
-            Course { reader: recording.read_signals(wants.list(), wants.signals()), report: &mut report, watch };
+        let reader = recording.read_signals(wants.list(), wants.signals());
+        let mut course = Course { reader, intakes, report: &mut report, watch };
         let damage = course.read(&mut runs, &options);
+        let met = course.reader.met().into();
         for run in &mut runs {
-            let properties = run.finish(&damage);
+            let properties: Vec<Property> =
+                run.finish(&damage, &met).into_iter().map(|(_, property)| property).collect();
             course.tell(run);
-            run.warnings(&properties).into_iter().for_each(|w| course.warn(w));
+            run.warnings(&properties, &met).into_iter().for_each(|w| course.warn(w));
             course.report.properties.extend(properties);
         }
         report.topics = types.into_iter().map(|topic| counted(topic, &runs)).collect();
@@ -156,6 +170,7 @@ fn warn(report: &mut Report, warning: Warning, watch: &mut dyn Watch) {
 /// The reading of a recording.
 struct Course<'c> {
     reader: Reader,
+    intakes: Vec<Intake>,
     report: &'c mut Report,
     watch: &'c mut dyn Watch,
 }
@@ -205,7 +220,7 @@ impl Course<'_> {
                 let (start, end) = self.report.span.unwrap_or((time, time));
                 self.report.span = Some((start.min(time), end.max(time)));
                 *last = Some(time);
-                runs.iter_mut().for_each(|run| run.take(&item));
+                runs.iter_mut().zip(&mut self.intakes).for_each(|(run, intake)| run.take(intake.sample(&item)));
                 Step::Went
             }
         }
@@ -217,8 +232,8 @@ impl Course<'_> {
             self.warn(warning);
         }
         let mut told = 0;
-        while let Some((property, violation)) = run.news() {
-            self.watch.event(Event::Violation { property: &property, violation: &violation });
+        while let Some(news) = run.news() {
+            self.watch.event(Event::Violation { property: &news.property, violation: &news.violation });
             told += 1;
         }
         told

@@ -16,6 +16,12 @@ pub(crate) fn open(specs: &[Spec], trace: &Path, how: &lapwing_record::Options) 
     lapwing_record::open(trace, how)
 }
 
+/// Whether nothing can be judged before the end of a recording: a stream, of which a specification has to know all topics.
+pub fn waits_for_end(specs: &[Spec], trace: &Path) -> bool {
+    let is_stream = trace == Path::new("-") || trace.metadata().is_ok_and(|about| !about.is_file() && !about.is_dir());
+    is_stream && specs.iter().any(Spec::runs_over_topics)
+}
+
 /// The shape of an opened recording.
 pub(crate) fn of(recording: &Recording) -> TraceShape {
     let topics = recording.topics().iter().map(|topic| TraceTopic {
@@ -28,7 +34,7 @@ pub(crate) fn of(recording: &Recording) -> TraceShape {
         columns: recording.columns().iter().map(|c| c.to_string()).collect(),
         schemaless: recording.is_schemaless(),
         columns_open: recording.format() == Format::Ndjson,
-        events: Vec::new(),
+        events: recording.events().iter().map(|e| e.to_string()).collect(),
         live: false,
     }
 }

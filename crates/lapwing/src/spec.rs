@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use lapwing_check::{Checked, Loaded, TraceShape, check, load};
 use lapwing_diag::{Code, Diagnostic, SourceMap, Span, Style, has_errors};
 
-use crate::types::Bundled;
+use crate::types::Known;
 
 /// A specification without errors.
 #[derive(Clone, Debug)]
@@ -44,24 +44,40 @@ pub enum SpecError {
 impl Spec {
     /// Reads and checks a file. Files that it uses are looked for beside it.
     pub fn load(path: &Path) -> Result<Spec, SpecError> {
+        Spec::load_with(path, &[])
+    }
+
+    /// Reads and checks a file, with the message definitions of share trees, as [`lapwing_record::Options::msgs`] has them, for what its
+    /// reactions write.
+    pub fn load_with(path: &Path, msgs: &[PathBuf]) -> Result<Spec, SpecError> {
         let text =
             std::fs::read_to_string(path).map_err(|error| SpecError::Unreadable { path: path.to_owned(), error })?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Spec::parse(&path.to_string_lossy(), &text, &|used| std::fs::read_to_string(folder.join(used)).ok())
+        let resolve = |used: &str| std::fs::read_to_string(folder.join(used)).ok();
+        Spec::parse_with(&path.to_string_lossy(), &text, &resolve, msgs)
     }
 
-    /// Whether it has instances over topics, all of which must be known before a recording is read.
-    pub(crate) fn runs_over_topics(&self) -> bool {
+    /// Whether it has instances over topics, all of which must be known before a recording is judged.
+    pub fn runs_over_topics(&self) -> bool {
         self.loaded.runs_over_topics()
     }
 
     /// Reads and checks a text. `name` is what reports call it; `resolve` gives the text of a file that it uses.
     pub fn parse(name: &str, text: &str, resolve: &dyn Fn(&str) -> Option<String>) -> Result<Spec, SpecError> {
+        Spec::parse_with(name, text, resolve, &[])
+    }
+
+    fn parse_with(
+        name: &str,
+        text: &str,
+        resolve: &dyn Fn(&str) -> Option<String>,
+        msgs: &[PathBuf],
+    ) -> Result<Spec, SpecError> {
         let mut sources = SourceMap::default();
         let file = sources.add(name, text);
         let parsed = lapwing_syntax::parse(file, text);
         let mut loaded = load(&mut sources, parsed.file, resolve);
-        loaded.define(&Bundled);
+        loaded.define(&Known::of(msgs));
         let alone = check(&sources, &loaded, None);
         let diagnostics = all(parsed.diagnostics, &alone.diagnostics);
         let findings = Findings { sources, diagnostics };

@@ -1,17 +1,18 @@
 //! What a report will need of the moments at which something failed, noted when it happens.
 
-use lapwing_check::checked::Clock;
+use lapwing_check::checked::{self, Clock, InputSource, ObjectSource};
 use lapwing_engine::inputs::Inputs;
 use lapwing_engine::{Observer, Output};
 use lapwing_react::{Reading, Role, Row, Violation};
-use lapwing_stream::{Duration, Time, Value};
+use lapwing_stream::{Duration, Sample, Time, Value};
 
 use crate::eval;
 use crate::hints::Latch;
 use crate::moment::Kept;
 pub(crate) use crate::moment::Now;
-use crate::ring::Ring;
+use crate::ring::{Ring, Source};
 use crate::shown::Shown;
+use crate::ticks::Ticks;
 use crate::trail::{Positions, Trail};
 
 /// So many violations of a property keep their values.
@@ -73,11 +74,13 @@ pub(crate) struct Witness {
     /// For each property, for how long each of its topics had been silent when it failed first.
     silences: Vec<Vec<(usize, Duration)>>,
     jumps: Vec<(Time, Time)>,
+    /// For each property, whether its monitor has started afresh: then what came before says nothing of it.
+    forgotten: Vec<bool>,
 }
 
 impl Witness {
-    /// Of a specification with that clock, and what is to be noted of each property.
-    pub fn new(clock: Clock, interests: Vec<Interest>) -> Witness {
+    /// Of a specification, and what is to be noted of each of its properties.
+    pub fn new(meaning: &checked::Spec, interests: Vec<Interest>) -> Witness {
         let mut kept = Kept::default();
         for interest in &interests {
             interest.shown.iter().for_each(|s| s.keep(&mut kept));
@@ -87,9 +90,9 @@ impl Witness {
         let reach = interests.iter().map(|i| i.latency.map_or(i64::MAX, Duration::nanos)).max().unwrap_or_default();
         let properties = interests.len();
         Witness {
-            clock,
+            clock: meaning.clock,
             interests,
-            ring: Ring::new(kept, reach),
+            ring: Ring::new(kept, reach, |input| source(meaning, input)),
             first: None,
             arriving: Time(i64::MIN),
             found: Vec::new(),
@@ -97,13 +100,15 @@ impl Witness {
             latched: vec![false; properties],
             silences: vec![Vec::new(); properties],
             jumps: Vec::new(),
+            forgotten: vec![false; properties],
         }
     }
 
-    /// The engine takes in what has that stamp.
+    /// The engine takes a sample in.
     #[inline]
-    pub fn arrives(&mut self, time: Time) {
-        self.arriving = time;
+    pub fn arrives(&mut self, sample: &Sample<'_>) {
+        self.arriving = sample.time;
+        self.ring.arrive(sample);
     }
 
     /// The failures so far, in the order in which they were told.
@@ -126,6 +131,13 @@ impl Witness {
         self.first.map_or(Duration::ZERO, |first| self.arriving.since(first))
     }
 
+    /// The monitor of a property starts afresh.
+    pub fn forget(&mut self, property: usize) {
+        if let Some(forgotten) = self.forgotten.get_mut(property) {
+            *forgotten = true;
+        }
+    }
+
     /// For how long each topic of a property had been silent when it failed first.
     pub fn silences(&self, property: usize) -> &[(usize, Duration)] {
         self.silences.get(property).map_or(&[], Vec::as_slice)
@@ -145,12 +157,7 @@ impl Witness {
         match (self.clock, self.first) {
             (Clock::Events, _) => time == self.arriving,
             (Clock::Rate(_), None) => true,
-            (Clock::Rate(hz), Some(first)) => {
-                let (since, second) = (i128::from(time.0) - i128::from(first.0), 1_000_000_000);
-                // The tick whose number is the next whole one, and its stamp.
-                let tick = (since * i128::from(hz)).div_euclid(second);
-                [tick, tick + 1].into_iter().any(|k| (k * second).div_euclid(i128::from(hz.max(1))) == since)
-            }
+            (Clock::Rate(hz), Some(first)) => Ticks { hz, first }.has(time),
         }
     }
 
@@ -187,7 +194,8 @@ impl Witness {
         let is_new =
             self.ring.instants().next_back().is_none_or(|last| last.time() < failed || self.clock == Clock::Events);
         let present = (is_new && self.is_instant(failed)).then_some((&now as &dyn eval::Moment, failed));
-        let trail = match count <= WITH_PAST && interest.shown.iter().any(Shown::has_memory) {
+        let asks_past = count <= WITH_PAST && !self.forgotten[property];
+        let trail = match asks_past && interest.shown.iter().any(Shown::has_memory) {
             true => Trail::new(&self.ring, &interest.positions, params, present),
             false => Trail::without_past(&interest.positions, params),
         };
@@ -201,6 +209,23 @@ impl Witness {
             self.latched[property] |= interest.latch.as_ref().is_some_and(|latch| account.has_ceased(latch, &here));
         }
         Some(violation)
+    }
+}
+
+/// What a signal may get a value from.
+fn source(meaning: &checked::Spec, input: usize) -> Source {
+    match meaning.inputs.get(input).map(|input| &input.source) {
+        Some(InputSource::Field { topic, .. }) => Source::Topic(*topic),
+        Some(InputSource::Column(_)) => Source::Rows,
+        Some(InputSource::World { object, .. }) => match meaning.objects.get(*object).map(|object| &object.source) {
+            Some(
+                ObjectSource::ModelStates { topic, .. }
+                | ObjectSource::Odometry { topic, .. }
+                | ObjectSource::Pose { topic, .. },
+            ) => Source::Topic(*topic),
+            Some(ObjectSource::Tf { .. }) | None => Source::Any,
+        },
+        None => Source::Any,
     }
 }
 

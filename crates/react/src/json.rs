@@ -76,12 +76,16 @@ pub(crate) fn topic(topic: &Topic) -> Value {
 /// The object of a warning.
 pub(crate) fn warning(warning: &Warning) -> Value {
     let place = warning.place.as_ref();
-    json!({
+    let mut object = json!({
         "code": warning.code,
         "message": warning.message,
         "file": place.map(|(file, ..)| file),
         "line": place.map(|(_, line, _)| line),
-    })
+    });
+    if let (Some(object), Some(at)) = (object.as_object_mut(), warning.at) {
+        object.insert("time_ns".to_owned(), json!(at.0));
+    }
+    object
 }
 
 fn readings(readings: &[Reading]) -> Value {

@@ -183,6 +183,8 @@ pub struct Warning {
     pub message: String,
     /// The place in a specification that it is about, where there is one: file, line and column.
     pub place: Option<(String, usize, usize)>,
+    /// When it arose, where it did at a moment.
+    pub at: Option<Time>,
 }
 
 impl Property {
@@ -195,11 +197,11 @@ impl Property {
 impl Warning {
     /// A warning with a page.
     pub fn with_code(code: lapwing_diag::Code, message: impl Into<String>) -> Warning {
-        Warning { code: Some(code.name()), message: message.into(), place: None }
+        Warning { code: Some(code.name()), message: message.into(), place: None, at: None }
     }
 
     /// A warning of which the message says everything.
     pub fn plain(message: impl Into<String>) -> Warning {
-        Warning { code: None, message: message.into(), place: None }
+        Warning { code: None, message: message.into(), place: None, at: None }
     }
 }

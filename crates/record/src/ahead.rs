@@ -1,4 +1,4 @@
-//! A look ahead into what does not tell at once what is in it: the topics and names of an NDJSON file.
+//! A look ahead into what does not tell at once what is in it: the topics, names and events of an NDJSON file.
 
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -8,24 +8,38 @@ use std::path::Path;
 use lapwing_stream::Name;
 
 use crate::error::{Losses, OpenError};
-use crate::format::stream::Stream;
 use crate::format::{Head, Source};
 use crate::options::Limits;
 
-/// Reads so many bytes, and gives the names of the values in them; the topics are then known to the source.
-pub(crate) fn names(source: &mut dyn Source, bytes: u64) -> Vec<Name> {
+/// What a look ahead has found.
+#[derive(Debug, Default)]
+pub(crate) struct Names {
+    /// The names of values, in the order in which they are met.
+    pub values: Vec<Name>,
+    /// The names of events.
+    pub events: BTreeSet<Name>,
+}
+
+/// Reads so many bytes, and gives the names of the signals and events in them, but no more than `most` of each; the topics are then known to the
+/// source.
+pub(crate) fn names(source: &mut dyn Source, bytes: u64, most: usize) -> Names {
     // Whatever is wrong is found again, and noted, when the file is read.
     let mut losses = Losses::new(1);
     let mut known: BTreeSet<Name> = BTreeSet::new();
-    let mut names = Vec::new();
+    let mut names = Names::default();
     while let Ok(Some((_, head))) = source.advance(&mut losses) {
-        if head == Head::Row {
-            for name in source.cells().names() {
-                if !known.contains(name) {
+        match head {
+            Head::Row => source.cells().signals(&mut |name, _| {
+                if names.values.len() < most && !known.contains(name) {
+                    let name = Name::from(name);
                     known.insert(name.clone());
-                    names.push(name.clone());
+                    names.values.push(name);
                 }
+            }),
+            Head::Event if names.events.len() < most && !names.events.contains(source.event()) => {
+                names.events.insert(Name::from(source.event()));
             }
+            Head::Event | Head::Message(_) => {}
         }
         if source.progress().0 >= bytes {
             break;
@@ -35,7 +49,7 @@ pub(crate) fn names(source: &mut dyn Source, bytes: u64) -> Vec<Name> {
 }
 
 /// All that a stream gives, in a temporary file that nobody else sees.
-pub(crate) fn spool(stream: Stream, path: &Path, limits: &Limits) -> Result<File, OpenError> {
+pub(crate) fn spool(stream: impl Read, path: &Path, limits: &Limits) -> Result<File, OpenError> {
     let (file, copied) =
         copy(stream.take(limits.file)).map_err(|error| OpenError::Io { path: path.to_owned(), error })?;
     if copied < limits.file {

@@ -6,9 +6,9 @@ mod layout;
 mod msg;
 mod share;
 
-use lapwing_stream::{Constant, Name};
+use lapwing_stream::{Constant, Name, Value};
 
-pub use bundled::{names as bundled_names, text_with_parts as bundled_text};
+pub use bundled::text_with_parts as bundled_text;
 pub use layout::{Layout, Node, Prim};
 pub use share::Library;
 
@@ -50,10 +50,19 @@ pub(crate) struct Definition {
     pub constants: Vec<Constant>,
 }
 
+impl Definition {
+    /// The full names of the messages that its fields are, each as often as it occurs.
+    pub fn parts(&self) -> impl Iterator<Item = &String> {
+        self.fields.iter().filter_map(|f| if let Base::Message(name) = &f.ty.base { Some(name) } else { None })
+    }
+}
+
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct FieldDef {
     pub name: Name,
     pub ty: FieldType,
+    /// What it is where a message does not say, for those who make messages.
+    pub default: Option<Value>,
 }
 
 /// The type of a field: a base, and the lengths of the arrays around it, the outermost first.

@@ -27,6 +27,7 @@ use lapwing_stream::{Name, Time};
 use crate::cells::Cells;
 use crate::decode::MessageType;
 use crate::error::{Losses, Place, ReadError};
+use crate::met::Met;
 
 /// A format of recordings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,6 +116,11 @@ pub(crate) trait Source: Send {
     /// The names of the columns, where there are columns; else those of values, as far as they are known before the reading.
     fn columns(&self) -> &[Name] {
         &[]
+    }
+
+    /// What has come so far, by name.
+    fn met(&self) -> Met {
+        Met { signals: self.columns().iter().map(|name| name.to_string()).collect(), ..Met::of(self.channels()) }
     }
 
     /// Where the current message is.

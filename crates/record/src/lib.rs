@@ -24,7 +24,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Live connectors use the same definitions and decoders: [`Library`], [`MessageType`], [`Decoder`].
+//! Live connectors use the same definitions and decoders: [`Library`], [`MessageType`], [`Decoder`]; what they publish is made by an [`Encoder`].
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -34,9 +34,11 @@ mod cells;
 mod decimal;
 mod decode;
 mod definition;
+mod encode;
 mod error;
 mod expand;
 mod format;
+mod met;
 mod open;
 mod options;
 mod path;
@@ -44,15 +46,19 @@ mod raw;
 mod reader;
 mod recording;
 mod reorder;
+mod stamp;
 
-pub use cells::Cells;
+pub use cells::{Cells, Signal};
 pub use decode::{DecodeError, Decoder, MessageType};
-pub use definition::{DefinitionError, Dialect, Layout, Library, Node, Prim, bundled_names, bundled_text, normal_name};
+pub use definition::{DefinitionError, Dialect, Layout, Library, Node, Prim, bundled_text, normal_name};
+pub use encode::{Converter, EncodeError, Encoder, Encoding};
 pub use error::{Loss, OpenError, Place, Position, ReadError};
 pub use expand::expand;
 pub use format::{Format, messages::Messages};
+pub use met::Met;
 pub use options::{Limits, Options, TimeSource};
 pub use path::{Part, Path, PathError};
 pub use raw::{RawChannel, RawMessage, RawReader};
 pub use reader::{Item, Reader};
 pub use recording::{Recording, TopicInfo, Wanted, open};
+pub use stamp::HeaderStamp;

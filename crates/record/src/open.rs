@@ -40,6 +40,22 @@ pub(crate) fn stream(path: &Path, stopped: fn() -> bool) -> Result<Option<Stream
     File::open(path).and_then(|file| Stream::new(file, stopped)).map(Some).map_err(error)
 }
 
+/// A stream of text whose first line has been looked at.
+pub(crate) struct Begun {
+    /// Whether it is lines of NDJSON.
+    pub is_lines: bool,
+    /// All of it.
+    pub text: Box<dyn Read + Send>,
+}
+
+/// Waits for the first line of a stream.
+pub(crate) fn begin(mut stream: Stream, path: &Path, limits: &Limits) -> Result<Begun, OpenError> {
+    let start = first_line(&mut stream, limits).map_err(|error| OpenError::Io { path: path.to_owned(), error })?;
+    let text = start.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&start);
+    let is_lines = text.trim_ascii_start().starts_with(b"{");
+    Ok(Begun { is_lines, text: Box::new(Cursor::new(start).chain(stream)) })
+}
+
 /// Opens a file or a folder.
 pub(crate) fn open(path: &Path, library: &Library, limits: &Limits) -> Result<Opened, OpenError> {
     let error = |error| OpenError::Io { path: path.to_owned(), error };
@@ -88,7 +104,7 @@ pub(crate) fn text(
     let Some(first) = first else { return Err(unrecognised("it is empty".to_owned())) };
     if first.trim_ascii_start().starts_with(b"{") {
         let ahead = Lines::new(Box::new(Cursor::new(start.clone())), path, 0, limits.line);
-        let names = ahead::names(&mut Ndjson::new(ahead, library, limits), u64::MAX);
+        let names = ahead::names(&mut Ndjson::new(ahead, library, limits), u64::MAX, limits.names).values;
         return Ok((Format::Ndjson, Box::new(Ndjson::new(again(), library, limits).with_names(names))));
     }
     let is_text = std::str::from_utf8(&first).is_ok() && !first.contains(&0);

@@ -1,9 +1,10 @@
 //! A path selects one field of a message: `pose.pose.position.x`, `ranges[3]`.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::str::FromStr;
 
-use lapwing_stream::Name;
+use lapwing_stream::{Name, Value};
 
 /// A way from a message to one of its fields: names of fields and indices into arrays.
 ///
@@ -54,6 +55,34 @@ impl Path {
     pub fn parts(&self) -> &[Part] {
         &self.parts
     }
+
+    /// What it selects of a value; `None` where that has no such field or element.
+    pub fn find_in<'v>(&self, whole: &'v Value) -> Option<Cow<'v, Value>> {
+        find(&self.parts, whole)
+    }
+}
+
+fn find<'v>(parts: &[Part], whole: &'v Value) -> Option<Cow<'v, Value>> {
+    let Some((part, rest)) = parts.split_first() else { return Some(Cow::Borrowed(whole)) };
+    match (part, whole) {
+        (Part::Name(name), whole) => find(rest, whole.field(name)?),
+        (Part::Index(index), Value::List(list)) => find(rest, list.get(*index)?),
+        (Part::Index(index), Value::Nums(xs)) if rest.is_empty() => xs.get(*index).map(|x| Cow::Owned(Value::Num(*x))),
+        _ => None,
+    }
+}
+
+/// The ways in which the name of a signal leads into another value of a row: `o.p.x` is `x` of `o.p`, or `p.x` of `o`. The longest key
+/// comes first.
+pub(crate) fn ways(name: &str) -> impl Iterator<Item = (&str, Path)> {
+    let cuts = name.rmatch_indices(['.', '[']).map(|(at, _)| at).filter(|at| *at > 0);
+    cuts.filter_map(|at| {
+        let (key, rest) = name.split_at(at);
+        // A path begins with a name, what is left of one need not.
+        let Path { mut parts } = format!("key{rest}").parse().ok()?;
+        parts.remove(0);
+        Some((key, Path { parts }))
+    })
 }
 
 impl FromStr for Path {
@@ -109,6 +138,18 @@ pub(crate) fn aliases(name: &str) -> &'static [&'static str] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_leads_into_other_values() {
+        let all: Vec<String> = ways("o.p[1].x").map(|(key, way)| format!("{key} {:?}", way.parts().len())).collect();
+        assert_eq!(all, ["o.p[1] 1", "o.p 2", "o 3"]);
+        assert_eq!([ways("plain").count(), ways(".x").count(), ways("a[x").count()], [0, 0, 0]);
+        let inner = Value::Record(vec![("x".into(), Value::Num(2.0))]);
+        let whole = Value::Record(vec![("l".into(), Value::List(vec![inner])), ("n".into(), Value::Nums(vec![5.0]))]);
+        let at = |text: &str| text.parse::<Path>().unwrap().find_in(&whole).map(Cow::into_owned);
+        assert_eq!([at("l[0].x"), at("n[0]")], [Some(Value::Num(2.0)), Some(Value::Num(5.0))]);
+        assert_eq!([at("l[1].x"), at("n[0].x"), at("n[1]"), at("m")], [None, None, None, None]);
+    }
 
     #[test]
     fn paths_are_read_and_printed() {

@@ -38,13 +38,16 @@ pub struct RawMessage<'a> {
 pub struct RawReader {
     source: Box<dyn Source>,
     topics: Vec<String>,
+    /// Those of the source, as far as they are known.
+    channels: Vec<RawChannel>,
     losses: Losses,
 }
 
 impl RawReader {
     pub(crate) fn new(mut source: Box<dyn Source>, topics: &[String], losses: usize) -> RawReader {
         source.leave_out(&|channel| topics.iter().any(|t| is_same(t, &channel.topic)));
-        RawReader { source, topics: topics.to_vec(), losses: Losses::new(losses) }
+        let channels = source.channels().iter().map(raw).collect();
+        RawReader { source, topics: topics.to_vec(), channels, losses: Losses::new(losses) }
     }
 
     /// The next message, of whatever topic. After an error there are no more.
@@ -58,15 +61,17 @@ impl RawReader {
                 Err(error) => return Some(Err(error)),
             }
         };
-        let topic = self.source.channels().get(channel).map(|c| c.topic.clone()).unwrap_or_default();
-        if !self.topics.iter().any(|t| is_same(t, &topic)) {
+        let known = self.channels.len();
+        self.channels.extend(self.source.channels().iter().skip(known).map(raw));
+        let topic = self.channels.get(channel).map_or("", |channel| &channel.topic);
+        if !self.topics.iter().any(|t| is_same(t, topic)) {
             return Some(Ok(RawMessage { time, channel, payload: None }));
         }
         let place = self.source.place();
         let payload = match self.source.payload() {
             Ok(payload) => Some(payload),
             Err(what) => {
-                self.losses.add_of(place, &topic, format!("a message is lost: {what}"));
+                self.losses.add_of(place, topic, format!("a message is lost: {what}"));
                 None
             }
         };
@@ -74,8 +79,13 @@ impl RawReader {
     }
 
     /// What is known of a channel.
-    pub fn channel(&self, number: usize) -> Option<RawChannel> {
-        self.source.channels().get(number).map(raw)
+    pub fn channel(&self, number: usize) -> Option<&RawChannel> {
+        self.channels.get(number)
+    }
+
+    /// The channels that are known so far.
+    pub fn channels(&self) -> &[RawChannel] {
+        &self.channels
     }
 
     /// What could not be read so far.

@@ -8,10 +8,12 @@ use crate::cells::Cells;
 use crate::decode::{Decoder, MessageType};
 use crate::error::{Loss, Losses, ReadError};
 use crate::format::{Head, Source};
+use crate::met::Met;
 use crate::options::{Limits, Options, TimeSource};
 use crate::path::Path;
 use crate::recording::Wanted;
 use crate::reorder::{Held, Kind, Reorder};
+use crate::stamp;
 
 /// What comes next in a recording. It may be looked at until the next call of [`Reader::next`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,9 +77,6 @@ pub struct Reader {
     ended: bool,
 }
 
-/// The number of values that the stamp of a header is.
-const STAMP: usize = 2;
-
 /// What is done with the messages of a channel.
 struct Binding {
     topic: Arc<str>,
@@ -136,7 +135,7 @@ impl Reader {
     /// Tells the source whose messages nobody looks at.
     fn leave_out(&mut self) {
         let Reader { source, wanted, by_header, limits, .. } = self;
-        let has_stamp = |ty: &MessageType| Decoder::new(ty, &stamp_paths(), limits.elements).is_ok();
+        let has_stamp = |ty: &MessageType| Decoder::new(ty, &stamp::paths(), limits.elements).is_ok();
         source.leave_out(&|channel| {
             position(wanted, &channel.topic).is_some() || *by_header && channel.ty.as_ref().is_ok_and(has_stamp)
         });
@@ -167,6 +166,11 @@ impl Reader {
     /// What could not be read so far.
     pub fn losses(&self) -> &[Loss] {
         self.losses.list()
+    }
+
+    /// What the recording turned out to carry, as far as it was read.
+    pub fn met(&self) -> Met {
+        self.source.met()
     }
 
     /// How much was read, and of how much: bytes, rows or parts of files. The second is 0 where it is not known.
@@ -209,8 +213,8 @@ impl Reader {
             Some(wanted) => &mut self.values[wanted],
             None => &mut self.stamp,
         };
-        values.resize_with(binding.fields + STAMP, Value::default);
-        let slots = if binding.stamped { binding.fields + STAMP } else { binding.fields };
+        values.resize_with(binding.fields + stamp::PARTS, Value::default);
+        let slots = if binding.stamped { binding.fields + stamp::PARTS } else { binding.fields };
         let decoded = self
             .source
             .payload()
@@ -223,7 +227,7 @@ impl Reader {
                 return nothing;
             }
         }
-        let time = if binding.stamped { header_time(&values[binding.fields..]).unwrap_or(time) } else { time };
+        let time = if binding.stamped { stamp::time(&values[binding.fields..]).unwrap_or(time) } else { time };
         Pulled { time, what: What::Message { channel, wanted: binding.wanted } }
     }
 
@@ -247,7 +251,7 @@ impl Reader {
     fn decoder(&self, ty: &MessageType, fields: &[Path], wanted: bool) -> (Result<Decoder, String>, bool) {
         let new = |fields: &[Path]| Decoder::new(ty, fields, self.limits.elements).map_err(|e| e.to_string());
         if self.by_header {
-            let with_stamp: Vec<Path> = fields.iter().cloned().chain(stamp_paths()).collect();
+            let with_stamp: Vec<Path> = fields.iter().cloned().chain(stamp::paths()).collect();
             match new(&with_stamp) {
                 Ok(decoder) if wanted => return (Ok(decoder), true),
                 Ok(decoder) => return (Ok(decoder.prefix_only()), true),
@@ -368,16 +372,4 @@ fn position(wanted: &[Wanted], topic: &str) -> Option<usize> {
 
 fn without_slash(topic: &str) -> &str {
     topic.strip_prefix('/').unwrap_or(topic)
-}
-
-/// Where the stamp of a header is.
-fn stamp_paths() -> [Path; STAMP] {
-    [Path::of_names(["header", "stamp", "sec"]), Path::of_names(["header", "stamp", "nanosec"])]
-}
-
-/// The time of a header; `None` where it has none, or a zero one.
-fn header_time(stamp: &[Value]) -> Option<Time> {
-    let [Value::Num(seconds), Value::Num(nanoseconds)] = stamp else { return None };
-    let nanos = (*seconds as i64).checked_mul(1_000_000_000)?.checked_add(*nanoseconds as i64)?;
-    (nanos != 0).then_some(Time(nanos))
 }

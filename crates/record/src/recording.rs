@@ -1,6 +1,7 @@
 //! An opened recording: what is in it, before any message is read.
 
-use std::io::Seek;
+use std::collections::BTreeSet;
+use std::io::{Read, Seek};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -12,7 +13,7 @@ use crate::definition::Library;
 use crate::error::OpenError;
 use crate::format::messages::{self, Messages};
 use crate::format::{Channel, Format, Source};
-use crate::options::Options;
+use crate::options::{Limits, Options};
 use crate::path;
 use crate::raw::RawReader;
 use crate::reader::Reader;
@@ -23,6 +24,7 @@ pub struct Recording {
     source: Box<dyn Source>,
     topics: Vec<TopicInfo>,
     columns: Vec<Name>,
+    events: BTreeSet<Name>,
     options: Options,
 }
 
@@ -52,21 +54,23 @@ pub struct Wanted {
 ///
 /// Opening reads what tells the topics: a summary or an index where there is one, else the whole file, but of an NDJSON
 /// file only so much as [`Options::look_ahead`] says, and of a stream only its beginning (for which it waits),
-/// unless all of it is to be looked through: then it is kept in a temporary file.
+/// unless all of its lines of NDJSON are to be looked through: then it is kept in a temporary file.
 pub fn open(path: &Path, options: Options) -> Result<Recording, OpenError> {
     let library = Library::new(&options.msgs);
-    let text = |from| crate::open::text(from, path, 0, &library, &options.limits);
-    let (format, source, found) = match crate::open::stream(path, options.stopped)? {
-        Some(stream) if options.look_ahead == u64::MAX => {
-            let mut file = ahead::spool(stream, path, &options.limits)?;
+    let text = |from: Box<dyn Read + Send>| crate::open::text(from, path, 0, &library, &options.limits);
+    let begin = |stream| crate::open::begin(stream, path, &options.limits);
+    let (format, source, found) = match crate::open::stream(path, options.stopped)?.map(begin).transpose()? {
+        Some(begun) if options.look_ahead == u64::MAX && begun.is_lines => {
+            let mut file = ahead::spool(begun.text, path, &options.limits)?;
             let error = |error| OpenError::Io { path: path.to_owned(), error };
-            let found = Found::of(text(Box::new(file.try_clone().map_err(error)?))?, u64::MAX);
+            let found = text(Box::new(file.try_clone().map_err(error)?))?;
+            let found = Found::of(found, u64::MAX, &options.limits);
             file.rewind().map_err(error)?;
             let (format, source) = text(Box::new(file))?;
             (format, source, found)
         }
-        Some(stream) => {
-            let (format, source) = text(Box::new(stream))?;
+        Some(begun) => {
+            let (format, source) = text(begun.text)?;
             let found = Found::at_once(&*source);
             (format, source, found)
         }
@@ -74,15 +78,14 @@ pub fn open(path: &Path, options: Options) -> Result<Recording, OpenError> {
             let open = || crate::open::open(path, &library, &options.limits);
             let (format, source) = open()?;
             let found = match format {
-                Format::Ndjson => {
-                    open().map_or_else(|_| Found::default(), |again| Found::of(again, options.look_ahead))
-                }
+                Format::Ndjson => open()
+                    .map_or_else(|_| Found::default(), |again| Found::of(again, options.look_ahead, &options.limits)),
                 _ => Found::at_once(&*source),
             };
             (format, source, found)
         }
     };
-    Ok(Recording { format, source, topics: found.topics, columns: found.columns, options })
+    Ok(Recording { format, source, topics: found.topics, columns: found.columns, events: found.events, options })
 }
 
 /// What is known of a recording before it is read.
@@ -90,23 +93,24 @@ pub fn open(path: &Path, options: Options) -> Result<Recording, OpenError> {
 struct Found {
     topics: Vec<TopicInfo>,
     columns: Vec<Name>,
+    events: BTreeSet<Name>,
 }
 
 impl Found {
     /// What an opened source tells, which is then of no further use: lines of NDJSON in so many bytes, any other at once.
-    fn of((format, source): (Format, Box<dyn Source>), bytes: u64) -> Found {
-        if format == Format::Ndjson { Found::ahead(source, bytes) } else { Found::at_once(&*source) }
+    fn of((format, source): (Format, Box<dyn Source>), bytes: u64, limits: &Limits) -> Found {
+        if format == Format::Ndjson { Found::ahead(source, bytes, limits) } else { Found::at_once(&*source) }
     }
 
     /// What a source tells at once.
     fn at_once(source: &dyn Source) -> Found {
-        Found { topics: topics(source.channels()), columns: source.columns().to_vec() }
+        Found { topics: topics(source.channels()), columns: source.columns().to_vec(), events: BTreeSet::new() }
     }
 
     /// What so many bytes of a source tell, which is then of no further use.
-    fn ahead(mut source: Box<dyn Source>, bytes: u64) -> Found {
-        let names = ahead::names(&mut *source, bytes);
-        Found { topics: topics(source.channels()), columns: names }
+    fn ahead(mut source: Box<dyn Source>, bytes: u64, limits: &Limits) -> Found {
+        let names = ahead::names(&mut *source, bytes, limits.names);
+        Found { topics: topics(source.channels()), columns: names.values, events: names.events }
     }
 }
 
@@ -149,7 +153,8 @@ impl Recording {
         let channels = messages::channels(topics);
         let topics = self::topics(&channels);
         let source = Box::new(messages::Program { name: name.to_owned(), channels, messages });
-        Recording { format: Format::Messages, source, topics, columns: Vec::new(), options }
+        let (columns, events) = (Vec::new(), BTreeSet::new());
+        Recording { format: Format::Messages, source, topics, columns, events, options }
     }
 
     /// Its format.
@@ -168,10 +173,15 @@ impl Recording {
         matches!(self.format, Format::Csv | Format::Ndjson)
     }
 
-    /// The columns of a CSV file but that of the time, in order. Of NDJSON the names of values that are known beforehand, as the
-    /// [topics](Recording::topics) are; of a stream those of its first line.
+    /// The columns of a CSV file but that of the time, in order. Of NDJSON the names of signals that are known beforehand, as the
+    /// [topics](Recording::topics) are; of a stream those of its first line. An object is its fields, by names with dots.
     pub fn columns(&self) -> &[Name] {
         &self.columns
+    }
+
+    /// The names of the events of an NDJSON file, as far as they are known beforehand, as the [topics](Recording::topics) are.
+    pub fn events(&self) -> &BTreeSet<Name> {
+        &self.events
     }
 
     /// Starts reading. Of topics that are not wanted only the times are given; of rows all cells are.
@@ -184,8 +194,8 @@ impl Recording {
         RawReader::new(self.source, topics, self.options.limits.losses)
     }
 
-    /// Starts reading as [`read`](Recording::read) does, but of rows only those signals: every row has exactly these cells, in this
-    /// order, [`Value::Missing`](lapwing_stream::Value::Missing) where there is none of that name. The others are not even decoded.
+    /// Starts reading as [`read`](Recording::read) does, but of rows only those signals, as [`Signal`](crate::Signal) finds
+    /// them: every row has exactly these cells, in this order, [`Value::Missing`](lapwing_stream::Value::Missing) where there is none of that name. The others are not even decoded.
     pub fn read_signals(self, wanted: &[Wanted], signals: &[Name]) -> Reader {
         Reader::new(self.source, wanted, Some(signals), &self.options)
     }

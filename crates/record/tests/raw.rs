@@ -21,7 +21,7 @@ fn raw(path: &Path) -> (Vec<(i64, Vec<u8>)>, RawChannel, usize) {
                 continue;
             }
         }
-        channel = reader.channel(number);
+        channel = reader.channel(number).cloned();
     }
     assert!(reader.losses().is_empty());
     (found, channel.unwrap(), others)

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use lapwing_record::{MessageType, Messages, Options as Reading, Recording};
 use lapwing_stream::Time;
 
-use crate::message::layout;
+use crate::message::DefinitionMissing;
+use crate::outbox::Topic;
 use crate::scenario::Scenario;
 use crate::simulation::{Options, Simulation};
 
@@ -29,11 +30,9 @@ pub fn run_name(scenario: &Scenario, seed: u64) -> PathBuf {
 }
 
 /// A run, to be read as a recording is.
-pub fn recording(scenario: &Scenario, options: &Options) -> Recording {
+pub fn recording(scenario: &Scenario, options: &Options) -> Result<Recording, DefinitionMissing> {
     let simulation = Simulation::new(scenario, options);
-    let typed = |topic: &crate::outbox::Topic| Some((topic.name.clone(), MessageType::Cdr(layout(topic.kind)?)));
-    let all = simulation.topics().iter().map(typed);
-    // Every type has a layout, which a test holds; the numbers of topics are their places here.
-    let topics = all.map(|topic| topic.unwrap_or_else(|| (String::new(), MessageType::Json(None)))).collect();
-    Recording::of(&run_name(scenario, options.seed), topics, Box::new(simulation), Reading::default())
+    let typed = |topic: &Topic| Ok((topic.name.clone(), MessageType::Cdr(topic.kind.definition()?.layout.clone())));
+    let topics = simulation.topics().iter().map(typed).collect::<Result<_, _>>()?;
+    Ok(Recording::of(&run_name(scenario, options.seed), topics, Box::new(simulation), Reading::default()))
 }

@@ -20,6 +20,8 @@
 //!
 //! # Where to read on
 //!
+//! The floor itself is there for robots of other kinds as well: a [`World`] with what stands and moves on it, and chance by a seed ([`Random`]).
+//!
 //! [`simulation`](Simulation) has the loop. A `robot` wires a `driver` (its program), a `base` and `sensor`s; `fault`s act on the wires. The
 //! `world` is the only module that knows the physics engine, `message` the only one that knows the encoding.
 
@@ -50,7 +52,11 @@ mod record;
 pub mod scenario;
 
 pub use feed::{recording, run_name};
+pub use message::DefinitionMissing;
 pub use outbox::Topic;
-pub use record::record;
+pub use pose::{Motion, Pose, wrap};
+pub use random::Random;
+pub use record::{RecordError, Recorder, record};
 pub use scenario::{Scenario, ScenarioError};
 pub use simulation::{Options, Simulation};
+pub use world::{Body, Outline, World};

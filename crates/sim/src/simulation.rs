@@ -2,6 +2,7 @@
 
 use lapwing_stream::Time;
 
+use crate::base::Command;
 use crate::clock::{Clock, SECONDS, steps};
 use crate::drone::Drone;
 use crate::fault::{Fault, Faults, Order};
@@ -95,6 +96,30 @@ impl Simulation {
     /// All topics that may be published on.
     pub fn topics(&self) -> &[Topic] {
         self.topics.list()
+    }
+
+    /// From now on all robots obey commands from outside, whatever their scenario says.
+    pub fn obey_outside(&mut self) {
+        self.robots.iter_mut().for_each(Robot::obey_outside);
+    }
+
+    /// The topics on which robots take commands from outside, by their places in [`topics`](Simulation::topics).
+    pub fn ears(&self) -> Vec<usize> {
+        self.robots.iter().filter_map(Robot::ear).collect()
+    }
+
+    /// Gives a command from outside, in metres and radians a second: the robots that listen to that topic are told it in the next step. What
+    /// is no speed is passed over.
+    pub fn command(&mut self, topic: usize, ahead: f64, turn: f64) {
+        if ahead.is_finite() && turn.is_finite() {
+            let told = self.robots.iter_mut().filter(|robot| robot.ear() == Some(topic));
+            told.for_each(|robot| robot.command(Command { ahead, turn }));
+        }
+    }
+
+    /// How long it has taken, in seconds: what its clock shows, unless that has jumped.
+    pub fn seconds(&self) -> f64 {
+        self.clock.seconds()
     }
 
     /// How many steps have been taken, and of how many.

@@ -46,6 +46,20 @@ impl World {
         self.put(RigidBodyBuilder::dynamic().can_sleep(false), pose, outline, mass)
     }
 
+    /// Fastens a further part to a body, in the body's own frame. It weighs nothing.
+    pub fn fasten(&mut self, body: Body, at: Pose, outline: Outline) {
+        let part = collider(outline).translation(Vector::new(at.x, at.y)).rotation(at.yaw).mass(0.0);
+        self.physics.insert_collider(part.friction(GRIP), Some(body.0));
+    }
+
+    /// Puts a body somewhere else, at rest and with the heading that it has, as a hand would.
+    pub fn carry(&mut self, body: Body, to: [f64; 2]) {
+        let body = &mut self.physics.bodies[body.0];
+        body.set_translation(Vector::new(to[0], to[1]), true);
+        body.set_linvel(Vector::ZERO, true);
+        body.set_angvel(0.0, true);
+    }
+
     /// Builds a wall from one point to another.
     pub fn wall(&mut self, from: [f64; 2], to: [f64; 2]) {
         let start = Pose { x: from[0], y: from[1], yaw: 0.0 };
@@ -55,13 +69,10 @@ impl World {
     }
 
     fn put(&mut self, body: RigidBodyBuilder, pose: Pose, outline: Outline, mass: f64) -> Body {
-        let collider = match outline {
-            Outline::Disc(radius) => ColliderBuilder::ball(radius),
-            Outline::Rectangle(length, width) => ColliderBuilder::cuboid(length / 2.0, width / 2.0),
-        };
+        let collider = collider(outline);
         let collider = if mass > 0.0 { collider.mass(mass) } else { collider };
         let body = body.translation(Vector::new(pose.x, pose.y)).rotation(pose.yaw);
-        Body(self.physics.insert(body, collider.friction(0.2)).0)
+        Body(self.physics.insert(body, collider.friction(GRIP)).0)
     }
 
     /// Where a body is.
@@ -109,6 +120,25 @@ impl World {
             query.cast_ray(&Ray::new(origin, Vector::new(cos, sin)), limit, true).map(|(_, far)| far)
         })
     }
+
+    /// How far it is from a point to the next thing in a direction, in radians anticlockwise from the east; `None` where there is nothing
+    /// within `limit`. The body `through` is not in the way.
+    pub fn look(&self, from: [f64; 2], direction: f64, limit: f64, through: Body) -> Option<f64> {
+        let query = self.physics.query_pipeline_with_filter(QueryFilter::default().exclude_rigid_body(through.0));
+        let (sin, cos) = libm::sincos(direction);
+        let ray = Ray::new(Vector::new(from[0], from[1]), Vector::new(cos, sin));
+        query.cast_ray(&ray, limit, true).map(|(_, far)| far)
+    }
+}
+
+/// How much things rub against each other: the coefficient of friction.
+const GRIP: f64 = 0.2;
+
+fn collider(outline: Outline) -> ColliderBuilder {
+    match outline {
+        Outline::Disc(radius) => ColliderBuilder::ball(radius),
+        Outline::Rectangle(length, width) => ColliderBuilder::cuboid(length / 2.0, width / 2.0),
+    }
 }
 
 #[cfg(test)]
@@ -129,5 +159,25 @@ mod tests {
             world.step();
         }
         assert!((world.pose(robot).x - 1.85).abs() < 0.02 && world.touches(robot), "{:?}", world.pose(robot));
+    }
+
+    #[test]
+    fn a_part_that_is_fastened_pushes_and_is_looked_through() {
+        let mut world = World::new(0.005);
+        let robot = world.place(Pose::default(), Outline::Disc(0.1), 1.0);
+        world.fasten(robot, Pose { x: 0.15, ..Pose::default() }, Outline::Rectangle(0.1, 0.02));
+        let ball = world.place(Pose { x: 0.5, ..Pose::default() }, Outline::Disc(0.05), 0.1);
+        world.step();
+        let far = world.look([0.0, 0.0], 0.0, 2.0, robot);
+        assert!(far.is_some_and(|far| (far - 0.45).abs() < 1e-9), "{far:?}");
+        assert_eq!(world.look([0.0, 0.0], std::f64::consts::PI, 2.0, robot), None);
+        for _ in 0..400 {
+            world.set_motion(robot, Motion { x: 0.2, ..Motion::default() });
+            world.step();
+        }
+        let gap = world.pose(ball).x - world.pose(robot).x;
+        assert!(world.pose(ball).x > 0.6 && gap > 0.24, "the ball is {gap} m before the robot");
+        world.carry(ball, [-1.0, 0.0]);
+        assert_eq!((world.pose(ball).x, world.motion(ball)), (-1.0, Motion::default()));
     }
 }

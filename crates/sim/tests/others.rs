@@ -56,21 +56,29 @@ event = [
 ]
 ";
 
-#[test]
-fn rosbags_reads_what_we_read() {
+/// A script of `tests/others` with other people's tools.
+fn script(name: &str, file: &Path) -> Command {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let python = here.join("../../.venv/bin/python");
-    assert!(python.exists(), "rosbags is not installed: run tools/peers.sh once, then this test again");
+    assert!(python.exists(), "the tools are not installed: run tools/peers.sh once, then this test again");
+    let mut command = Command::new(python);
+    command.arg(here.join("tests/others").join(name)).arg(file);
+    command
+}
+
+/// A recording of everything, and how many messages it has.
+fn everything() -> (tempfile::NamedTempFile, u64) {
     let file = tempfile::NamedTempFile::with_suffix(".mcap").unwrap();
     let scenario = Scenario::parse("everything", SCENARIO).unwrap();
     let options = Options { seed: 11, ..Options::default() };
     let count = record(&scenario, &options, file.reopen().unwrap()).unwrap();
-    let said = Command::new(python)
-        .arg(here.join("tests/others/read.py"))
-        .arg(file.path())
-        .arg(serde_json::to_string(&fields()).unwrap())
-        .output()
-        .unwrap();
+    (file, count)
+}
+
+#[test]
+fn rosbags_reads_what_we_read() {
+    let (file, count) = everything();
+    let said = script("read.py", file.path()).arg(serde_json::to_string(&fields()).unwrap()).output().unwrap();
     assert!(said.status.success(), "{}", String::from_utf8_lossy(&said.stderr));
     let theirs: Vec<(i64, String, Vec<Json>)> = serde_json::from_slice(&said.stdout).unwrap();
     let ours = ours(file.path());
@@ -81,6 +89,14 @@ fn rosbags_reads_what_we_read() {
     for (ours, theirs) in sorted(ours).iter().zip(&sorted(theirs)) {
         assert_eq!(ours, theirs);
     }
+}
+
+#[test]
+fn a_viewer_finds_what_it_needs() {
+    let (file, _) = everything();
+    let said = script("viewer.py", file.path()).output().unwrap();
+    assert!(said.status.success(), "{}", String::from_utf8_lossy(&said.stderr));
+    assert_eq!(String::from_utf8_lossy(&said.stdout), "");
 }
 
 /// In the order of time, and at one time in that of topics: readers differ in what they give first.

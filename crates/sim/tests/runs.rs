@@ -94,7 +94,7 @@ fn a_file_and_a_feed_say_the_same() {
             .iter()
             .map(|(topic, _)| Wanted { topic: topic.clone(), fields: vec![lapwing_record::Path::new([])] })
             .collect();
-        let fed = recording(&scenario(name), &options);
+        let fed = recording(&scenario(name), &options).unwrap();
         assert!(topics.iter().all(|(topic, ty)| fed.topics().iter().any(|t| t.name == *topic && t.type_name == *ty)));
         let (from_file, from_feed) = (read(written.read(&wanted)), read(fed.read(&wanted)));
         assert!(from_file.len() > 500, "{name}: {}", from_file.len());

@@ -1,11 +1,12 @@
 //! Recordings of every format, message definitions and messages, from bytes that nobody has checked.
 
-use std::path::PathBuf;
+use std::io::{self, Write};
 
 use lapwing_record::{
     Decoder, Dialect, Item, Library, Limits, MessageType, Options, Part, Path, TimeSource, Wanted, open,
 };
 use lapwing_stream::{Duration, Name, Schema, Type};
+use tempfile::NamedTempFile;
 
 /// At most so many fields are asked for, and so many items read.
 const FIELDS: usize = 24;
@@ -71,11 +72,11 @@ impl Choice {
 fn recording(magic: &[u8], data: &[u8]) {
     let mut bytes = magic.to_vec();
     bytes.extend(data.get(magic.len()..).unwrap_or_default());
-    let file = Scratch::new(&bytes);
+    let file = temporary(&bytes).expect("a temporary file can be written");
     let choice = Choice::of(&bytes);
     let options = options(choice.is(0));
     let most = options.limits.losses + 1;
-    let Ok(recording) = open(&file.0, options) else { return };
+    let Ok(recording) = open(file.path(), options) else { return };
     // A whole message of Protobuf cannot be had: what asks for it would decode nothing.
     let whole = usize::from(choice.is(1));
     let topics = recording.topics().iter().skip(usize::from(choice.is(2))).step_by(1 + usize::from(choice.is(2)));
@@ -99,23 +100,10 @@ fn recording(magic: &[u8], data: &[u8]) {
     reader.losses().iter().for_each(|loss| assert!(!loss.to_string().is_empty()));
 }
 
-/// A file that is gone when its owner is.
-struct Scratch(PathBuf);
-
-impl Scratch {
-    fn new(bytes: &[u8]) -> Scratch {
-        let thread = format!("{:?}", std::thread::current().id());
-        let name: String = thread.chars().filter(char::is_ascii_digit).collect();
-        let path = std::env::temp_dir().join(format!("lapwing-hostile-{}-{name}", std::process::id()));
-        std::fs::write(&path, bytes).expect("a scratch file can be written");
-        Scratch(path)
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_file(&self.0);
-    }
+fn temporary(bytes: &[u8]) -> io::Result<NamedTempFile> {
+    let mut file = NamedTempFile::new()?;
+    file.write_all(bytes)?;
+    Ok(file)
 }
 
 /// The dialect in a byte, a definition, a zero, a message: laid out, and decoded twice with the same decoder.

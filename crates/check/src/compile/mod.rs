@@ -150,7 +150,7 @@ pub(crate) fn read((what, depth): (ReadOf, usize)) -> (engine::Read, usize) {
 struct SamePositions {
     reads: Vec<checked::Read>,
     alphabet: Option<Vec<usize>>,
-    /// Ages and slices, as text: they are compared for equality only.
+    /// Ages, slices and the name of what stands alone, as text: they are compared for equality only.
     others: String,
 }
 
@@ -210,7 +210,10 @@ impl<'a> Grouping<'a> {
         reads.sort();
         let ages = ages::of_property(self.spec, property, formula);
         let slices: Vec<_> = property.slices.iter().map(slice).collect();
-        let key = SamePositions { reads, alphabet: property.alphabet.clone(), others: format!("{ages:?} {slices:?}") };
+        // What starts afresh on its own shares nothing with others.
+        let alone = resets(self.spec, property).then_some(property.name.as_str());
+        let others = format!("{ages:?} {slices:?} {alone:?}");
+        let key = SamePositions { reads, alphabet: property.alphabet.clone(), others };
         let next = self.lowered.len();
         let group = self.groups.get(&key).copied().filter(|&group| !self.lowered[group].is_full()).unwrap_or(next);
         self.groups.insert(key, group);
@@ -226,6 +229,12 @@ impl<'a> Grouping<'a> {
         }
         group
     }
+}
+
+/// Whether a reaction to a property's violations is `reset`.
+fn resets(spec: &checked::Spec, property: &checked::Property) -> bool {
+    let mut reactions = spec.reactions.iter().filter(|r| r.is_of(property));
+    reactions.any(|r| r.actions.contains(&checked::Action::Reset))
 }
 
 fn slice(slice: &checked::Slice) -> engine::Slice {

@@ -3,7 +3,7 @@
 use lapwing_diag::{Code, Diagnostic};
 use lapwing_syntax::ast::{EachSet, Expr, ForEach, Ident, Topic};
 
-use crate::checked::{Event, EventSource, Path, Step};
+use crate::checked::{Event, EventSource, Path, Point, PointKind, Step};
 use crate::context::{Cx, Env};
 use crate::machine::event_named;
 use crate::names::Named;
@@ -138,7 +138,8 @@ fn sliced_event(cx: &mut Cx, env: &Env, event: &Ident) -> Option<usize> {
     if cx.trace.is_some_and(|t| !t.live) {
         cx.found.blame("a recording has no calls".to_owned());
     }
-    let source = EventSource::Program(event.name.clone());
+    let kind = if event.name == "call" { PointKind::Call } else { PointKind::Return };
+    let source = EventSource::Point(Point { kind, path: Vec::new(), below: None });
     let known = cx.spec.events.iter().position(|e| e.source == source);
     Some(known.unwrap_or_else(|| {
         cx.spec.events.push(Event { name: event.name.clone(), source, fields: Vec::new(), when: None });

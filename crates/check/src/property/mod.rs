@@ -182,7 +182,7 @@ fn field_of(cx: &mut Cx, event: usize, path: &[Step]) -> Option<usize> {
     let wanted = match cx.spec.events.get(event)?.source {
         EventSource::Message { topic } => Some(cx.field(topic, &path.to_vec())),
         EventSource::Entered { .. } | EventSource::Left { .. } => return None,
-        EventSource::Named | EventSource::Program(_) => None,
+        EventSource::Named | EventSource::Point(_) | EventSource::Program(_) => None,
     };
     Some(cx.event_field(event, EventField { path: path.to_vec(), wanted, ty }))
 }

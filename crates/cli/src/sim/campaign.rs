@@ -1,17 +1,17 @@
 //! Runs of a scenario that are checked while they go on: one, or thousands.
 
 use std::path::Path;
-use std::thread;
 use std::time::Instant;
 
-use lapwing::{Options, Report, Session, Spec, Watch};
-use lapwing_react::{Event, Tally, end, line, render};
-use lapwing_sim::{Scenario, recording, run_name};
+use lapwing::{Options, Session, Spec};
+use lapwing_react::{Tally, end, render};
+use lapwing_sim::{DefinitionMissing, Scenario, recording, run_name};
 
 use super::summary::{Run, Summary};
 use super::{Sim, options, short, write};
 use crate::complain::{Complaint, say, styles};
 use crate::exit::Exit;
+use crate::onlooker::{Onlooker, Told};
 use crate::sink::{Chunk, Sink};
 use crate::words::specs;
 use crate::{args, interrupt, jobs, progress};
@@ -19,14 +19,14 @@ use crate::{args, interrupt, jobs, progress};
 /// Carries a campaign out.
 pub fn run(sim: &Sim, scenario: &Scenario) -> Result<Exit, Complaint> {
     let (stdout, stderr) = styles(sim.color);
-    let specs = specs(&sim.check, stderr)?;
+    let specs = specs(&sim.check, &[], stderr)?;
     if !sim.quiet {
         specs.iter().for_each(|spec| say(&spec.findings().render(stderr)));
     }
     interrupt::listen();
     let campaign = Campaign { sim, scenario, specs: &specs, is_summed_up: is_summed_up(sim), style: stdout };
     let begin = Instant::now();
-    let runs = campaign.carry_out();
+    let runs = campaign.carry_out()?;
     let taken = begin.elapsed().as_secs_f64();
     let summary = Summary::of(&runs);
     if campaign.is_summed_up {
@@ -54,50 +54,50 @@ struct Campaign<'c> {
 
 impl Campaign<'_> {
     /// All runs, in the order of their seeds.
-    fn carry_out(&self) -> Vec<Run> {
+    fn carry_out(&self) -> Result<Vec<Run>, Complaint> {
         let format: lapwing_react::Format = self.sim.format.into();
         let bars = progress::bars(!self.sim.quiet);
         let bar = progress::bar(&bars, Path::new(self.scenario.name()));
         bar.set_length(self.sim.runs.get());
         let sink = Sink::new(format.between(), bars.clone());
-        let cores = || thread::available_parallelism().map_or(1, |n| n.get());
-        let threads = self.sim.jobs.map_or_else(cores, |n| n.get());
         if !self.is_summed_up {
             sink.frame(format.begin());
         }
         let count = usize::try_from(self.sim.runs.get()).unwrap_or(usize::MAX);
-        let runs = jobs::spread(count, threads, |number| {
+        let runs = jobs::spread(count, jobs::threads(self.sim.jobs), |number| {
             let run = self.one(number, &sink);
             bar.inc(1);
             sink.done(number);
             run
         });
         bar.finish_and_clear();
-        let runs: Vec<Run> = runs.into_iter().map(|(_, run)| run).collect();
+        let runs = runs.into_iter().map(|(_, run)| run).collect::<Result<Vec<Run>, _>>();
+        let runs = runs.map_err(|e| Complaint::new(e.to_string()))?;
         if !self.is_summed_up {
             let mut tally = Tally::default();
             runs.iter().for_each(|run| tally.join(&run.tally));
             sink.frame(&end(&tally, format, self.style));
         }
-        runs
+        Ok(runs)
     }
 
     /// One run, with what is to be said of it at once.
-    fn one(&self, number: usize, sink: &Sink) -> Run {
+    fn one(&self, number: usize, sink: &Sink) -> Result<Run, DefinitionMissing> {
         let seed = self.sim.seed.wrapping_add(number as u64);
         let name = run_name(self.scenario, seed);
-        let recording = recording(self.scenario, &options(self.sim, seed));
+        let recording = recording(self.scenario, &options(self.sim, seed))?;
         let session = Session::over(self.specs, recording, &name, &Options::default());
         if !self.sim.quiet && !self.is_summed_up {
             session.findings(self.style).into_iter().for_each(|text| sink.tell(number, Chunk::Note(text)));
         }
         let format = self.sim.format.into();
-        let mut onlooker = Onlooker { name: &name.to_string_lossy(), number, sink, format };
-        let report: Report = session.run(&mut onlooker);
+        let called = name.to_string_lossy();
+        let mut onlooker = Onlooker { told: Told::by(format, &called, number, sink), bar: None };
+        let report = session.run(&mut onlooker);
         if !self.is_summed_up {
             sink.tell(number, Chunk::Part(render(&report, format, self.style)));
         }
-        Run::of(seed, &report)
+        Ok(Run::of(seed, &report))
     }
 
     fn sum_up(&self, summary: &Summary, runs: &[Run], taken: f64) {
@@ -136,25 +136,5 @@ impl Campaign<'_> {
             write(self.scenario, &options(self.sim, run.seed), &path)?;
         }
         Ok(())
-    }
-}
-
-/// Looks on while a run goes on.
-struct Onlooker<'w> {
-    name: &'w str,
-    number: usize,
-    sink: &'w Sink,
-    format: lapwing_react::Format,
-}
-
-impl Watch for Onlooker<'_> {
-    fn event(&mut self, event: Event<'_>) {
-        if self.format == lapwing_react::Format::Ndjson {
-            self.sink.tell(self.number, Chunk::Part(line(self.name, event)));
-        }
-    }
-
-    fn goes_on(&mut self) -> bool {
-        !interrupt::is_stopped()
     }
 }

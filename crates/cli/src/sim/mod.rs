@@ -1,6 +1,7 @@
-//! `lapwing sim`: the built-in simulator, into a file or straight into a check.
+//! `lapwing sim`: the built-in simulator, into a file, straight into a check, or as a node of a live graph.
 
 mod campaign;
+mod live;
 mod summary;
 
 use std::fs::File;
@@ -17,6 +18,7 @@ use lapwing_stream::Duration;
 use crate::args::{Format, duration};
 use crate::complain::{Complaint, say};
 use crate::exit::Exit;
+use crate::graph::Choice;
 
 /// Arguments of `sim`.
 #[derive(Debug, Args)]
@@ -30,6 +32,9 @@ scenario, seed and faults give the same run, to the bit.
   lapwing sim stop-sign --check robot.rv                   no file: the run is checked while it goes on
   lapwing sim wander --runs 1000 --check robot.rv          a thousand runs, with the seeds 1 to 1000
   lapwing sim wander --runs 1000 --check robot.rv -o bad   and recordings of those that failed, in the folder `bad`
+  lapwing sim docking --ros1                               in real time, as a node of ROS 1
+  lapwing sim docking --ros2 --domain 42                   or of ROS 2
+  lapwing sim docking --ros1 --outside                     whose base obeys what other nodes publish on /cmd_vel
 
 Exit codes: without --check 0 when the run is written; with it those of `lapwing check`.")]
 pub struct Sim {
@@ -63,6 +68,11 @@ pub struct Sim {
     /// How to report; as text, several runs are summed up by property
     #[arg(long, value_name = "FORMAT", default_value = "text", requires = "check")]
     pub format: Format,
+    #[command(flatten)]
+    pub graph: Choice,
+    /// On a graph, robots obey the commands of other nodes on cmd_vel, and their programs speak on cmd_vel_original alone
+    #[arg(long)]
+    pub outside: bool,
     /// Say nothing of what is well
     #[arg(short, long)]
     pub quiet: bool,
@@ -82,8 +92,21 @@ pub fn run(sim: &Sim) -> Result<Exit, Complaint> {
     for order in &sim.faults {
         scenario.accepts(order).map_err(|e| Complaint::new(e.to_string()))?;
     }
+    let is_live = sim.graph.ros1.is_some() || sim.graph.ros2;
+    if is_live && !sim.check.is_empty() {
+        let complaint = Complaint::new("a run on a live graph is not checked here");
+        return Err(complaint.help(
+            "`lapwing monitor` checks it, as it checks any robot; `-o FILE.mcap` records it for `lapwing check`",
+        ));
+    }
+    if sim.outside && !is_live {
+        return Err(Complaint::new("--outside needs a graph from which commands come: add --ros1 or --ros2"));
+    }
     if !sim.check.is_empty() {
         return campaign::run(sim, &scenario);
+    }
+    if let Some(graph) = sim.graph.join("/lapwing_sim")? {
+        return live::run(sim, &scenario, graph);
     }
     let path = sim.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.mcap", short(&scenario))));
     let count = write(&scenario, &options(sim, sim.seed), &path)?;

@@ -5,8 +5,8 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
 
-use lapwing_record::{Decoder, RawChannel, RawReader, TimeSource, bundled_text, normal_name};
-use lapwing_stream::{Time, Value};
+use lapwing_record::{HeaderStamp, RawChannel, RawReader, TimeSource, bundled_text, normal_name};
+use lapwing_stream::Time;
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions, Writer};
 
@@ -39,13 +39,13 @@ pub(super) fn cut(subject: &Subject<'_>, topics: &[String], window: &Window, cli
             continue;
         };
         let Some(channel) = reader.channel(number) else { continue };
-        let time = stamps.of(number, &channel, logged, &bytes);
+        let time = stamps.of(number, channel, logged, &bytes);
         let is_before = from.is_some_and(|from| time < from);
         if is_before && window.carries {
             latest.insert(number, (logged, bytes));
         } else if window.has(from, time) {
             out.carry(&mut latest, from, &reader)?;
-            out.message(number, &channel, logged, &bytes)?;
+            out.message(number, channel, logged, &bytes)?;
             end = end.max(Some(logged));
         }
     }
@@ -55,10 +55,10 @@ pub(super) fn cut(subject: &Subject<'_>, topics: &[String], window: &Window, cli
 
 /// What readers of MCAP are told to expect: some open nothing without it.
 fn profile(reader: &RawReader) -> &'static str {
-    let encodings: Vec<String> = (0..).map_while(|number| reader.channel(number)).map(|c| c.messages).collect();
+    let has = |encoding: &str| reader.channels().iter().any(|channel| channel.messages == encoding);
     match () {
-        () if encodings.iter().any(|e| e == "cdr") => "ros2",
-        () if encodings.iter().any(|e| e == "ros1") => "ros1",
+        () if has("cdr") => "ros2",
+        () if has("ros1") => "ros1",
         () => "",
     }
 }
@@ -70,7 +70,7 @@ fn first_of(subject: &Subject<'_>, topics: &[String], stamps: &mut Stamps) -> Re
         let message = message.map_err(CapsuleError::Read)?;
         let (number, logged, bytes) = (message.channel, message.time, message.payload.map(<[u8]>::to_vec));
         if let (Some(bytes), Some(channel)) = (bytes, reader.channel(number)) {
-            return Ok(Some(stamps.of(number, &channel, logged, &bytes)));
+            return Ok(Some(stamps.of(number, channel, logged, &bytes)));
         }
     }
     Ok(None)
@@ -79,12 +79,13 @@ fn first_of(subject: &Subject<'_>, topics: &[String], stamps: &mut Stamps) -> Re
 /// Which stamp counts as the time of a message.
 struct Stamps {
     source: TimeSource,
-    decoders: BTreeMap<usize, Option<Decoder>>,
+    /// Of each channel, where its messages have a header.
+    stamps: BTreeMap<usize, Option<HeaderStamp>>,
 }
 
 impl Stamps {
     fn new(source: TimeSource) -> Stamps {
-        Stamps { source, decoders: BTreeMap::new() }
+        Stamps { source, stamps: BTreeMap::new() }
     }
 
     fn is_log(&self) -> bool {
@@ -95,22 +96,9 @@ impl Stamps {
         if self.is_log() {
             return logged;
         }
-        let decoder = self.decoders.entry(number).or_insert_with(|| {
-            let fields = ["header.stamp.sec", "header.stamp.nanosec"].map(|path| path.parse().ok());
-            let fields: Vec<_> = fields.into_iter().flatten().collect();
-            Decoder::new(channel.ty.as_ref().ok()?, &fields, usize::MAX).ok()
-        });
-        let stamp = decoder.as_mut().and_then(|decoder| {
-            let mut values = decoder.slots();
-            decoder.decode(bytes, &mut values).ok()?;
-            match values.as_slice() {
-                [Value::Num(s), Value::Num(ns)] => {
-                    Some((*s as i64).checked_mul(1_000_000_000)?.checked_add(*ns as i64)?)
-                }
-                _ => None,
-            }
-        });
-        stamp.filter(|stamp| *stamp != 0).map_or(logged, Time)
+        let stamp = || HeaderStamp::new(channel.ty.as_ref().ok()?);
+        let stamp = self.stamps.entry(number).or_insert_with(stamp);
+        stamp.as_mut().and_then(|stamp| stamp.read(bytes)).unwrap_or(logged)
     }
 }
 
@@ -144,7 +132,7 @@ impl Clip {
         messages.sort_by_key(|(_, (time, _))| *time);
         for (number, (logged, bytes)) in messages {
             if let Some(channel) = reader.channel(number) {
-                self.message(number, &channel, from.unwrap_or(logged), &bytes)?;
+                self.message(number, channel, from.unwrap_or(logged), &bytes)?;
             }
         }
         Ok(())

@@ -83,14 +83,13 @@ fn first_of(subject: &Subject<'_>, topics: &[String]) -> Result<Option<Time>, Ca
     Ok(None)
 }
 
-/// The cells that have a value become the latest.
+/// The signals that have a value become the latest.
 fn carry(latest: &mut Vec<(Name, Sampled)>, cells: Cells<'_>) {
-    for (name, value) in cells.iter().filter(|(_, v)| **v != Sampled::Missing) {
-        match latest.iter_mut().find(|(n, _)| n == name) {
-            Some((_, known)) => known.clone_from(value),
-            None => latest.push((name.clone(), value.clone())),
-        }
-    }
+    cells.signals(&mut |name, value| match latest.iter_mut().find(|(n, _)| **n == *name) {
+        _ if *value == Sampled::Missing => {}
+        Some((_, known)) => known.clone_from(value),
+        None => latest.push((name.into(), value.clone())),
+    });
 }
 
 /// Both files.

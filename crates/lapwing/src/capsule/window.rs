@@ -4,6 +4,8 @@ use lapwing_check::checked::Clock;
 use lapwing_react::Violation;
 use lapwing_stream::{Duration, Time};
 
+use crate::ticks::Ticks;
+
 /// Before the beginning of what failed, in nanoseconds.
 const BEFORE: i64 = 5_000_000_000;
 /// The same, where that is not enough.
@@ -43,14 +45,8 @@ impl Window {
 
     /// Where it begins in a recording of which the specification read its first message at that time: at an instant of its rate.
     pub fn beginning(&self, first: Option<Time>) -> Option<Time> {
-        let (from, Some(first), Some(rate)) = (self.from?, first, self.rate) else { return self.from };
-        if from <= first {
-            return Some(first);
-        }
-        let (rate, since) = (i128::from(rate.max(1)), i128::from(from.0) - i128::from(first.0));
-        let tick = since * rate / 1_000_000_000;
-        let stamp = i128::from(first.0) + (tick * 1_000_000_000).div_euclid(rate);
-        Some(Time(i64::try_from(stamp).unwrap_or(from.0)))
+        let (from, Some(first), Some(hz)) = (self.from?, first, self.rate) else { return self.from };
+        Some(Ticks { hz, first }.last_until(from))
     }
 }
 

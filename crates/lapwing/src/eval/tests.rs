@@ -5,7 +5,7 @@ use lapwing_stream::{Time, Value};
 
 use super::{condition, eval};
 use crate::moment::{Fixed, Kept, Moment};
-use crate::ring::Ring;
+use crate::ring::{Ring, Source};
 use crate::trail::{Positions, Trail};
 
 /// The condition of a property `never CONDITION` over the columns `a` and `b`.
@@ -45,7 +45,7 @@ fn at_the_end(text: &str, rows: &[Fixed]) -> Option<Value> {
     let mut kept = Kept::default();
     kept.add(&condition);
     positions.keep(&mut kept);
-    let mut ring = Ring::new(kept, 0);
+    let mut ring = Ring::new(kept, 0, |_| Source::Any);
     let (last, before) = rows.split_last().unwrap();
     let time = |k: usize| Time(k as i64 * 1_000_000_000);
     before.iter().enumerate().for_each(|(k, row)| ring.push(time(k), row));

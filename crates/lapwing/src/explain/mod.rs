@@ -5,15 +5,20 @@ mod formula;
 mod picture;
 mod words;
 
+#[cfg(feature = "recordings")]
 use std::path::Path;
 
 use lapwing_check::checked::{self, Body, InputSource, ObjectSource, ReadOf};
+#[cfg(feature = "recordings")]
 use lapwing_diag::{Style, render};
+#[cfg(feature = "recordings")]
 use lapwing_record::{OpenError, TopicInfo};
 use lapwing_stream::{Duration, Type};
 
 use crate::account;
+#[cfg(feature = "recordings")]
 use crate::session::Options;
+#[cfg(feature = "recordings")]
 use crate::shape;
 use crate::spec::Spec;
 pub(crate) use formula::{Printer, compare};
@@ -59,6 +64,7 @@ pub struct Explained {
 }
 
 /// Explains a specification, with the types of a recording where there is one.
+#[cfg(feature = "recordings")]
 pub fn explain(spec: &Spec, trace: Option<&Path>, options: &Options, style: Style) -> Result<Explanation, OpenError> {
     let Some(trace) = trace else { return Ok(explanation(spec, &spec.alone().spec, Vec::new(), &[])) };
     let recording = shape::open(std::slice::from_ref(spec), trace, &options.recording)?;
@@ -69,6 +75,7 @@ pub fn explain(spec: &Spec, trace: Option<&Path>, options: &Options, style: Styl
 }
 
 /// Draws a specification, with the instances that a recording has where there is one. `None` where there is nothing to draw.
+#[cfg(feature = "recordings")]
 pub fn draw(
     spec: &Spec,
     trace: Option<&Path>,
@@ -80,6 +87,7 @@ pub fn draw(
     Ok(picture::draw(spec, &spec.against(&shape::of(&recording)).spec, picture))
 }
 
+#[cfg(feature = "recordings")]
 fn explanation(spec: &Spec, meaning: &checked::Spec, findings: Vec<String>, recorded: &[TopicInfo]) -> Explanation {
     Explanation {
         clock: clock(meaning),
@@ -101,6 +109,7 @@ fn clock(meaning: &checked::Spec) -> String {
 }
 
 /// A topic: its type, how much of it is recorded, and the fields that are read with their types.
+#[cfg(feature = "recordings")]
 fn topic(meaning: &checked::Spec, number: usize, topic: &checked::Topic, recorded: &[TopicInfo]) -> String {
     let ty = topic.type_name.as_ref().map(|t| format!(" {t}")).unwrap_or_default();
     let is_same = |t: &&TopicInfo| t.name.trim_start_matches('/') == topic.name.trim_start_matches('/');

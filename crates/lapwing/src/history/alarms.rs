@@ -7,19 +7,18 @@ use lapwing_react::history::Mark;
 use lapwing_stream::Value;
 
 use super::axis::Axis;
-use crate::account;
+use crate::instance::Instance;
 
 /// How many episodes each property had in each piece. The engine lists episodes piece by piece.
 #[derive(Debug, Default)]
 pub(super) struct Alarms {
-    counts: BTreeMap<(usize, String), Vec<usize>>,
+    counts: BTreeMap<Instance, Vec<usize>>,
 }
 
 impl Alarms {
     /// An episode of a property, or of an instance of it, began in this piece.
     pub fn note(&mut self, property: usize, instance: &[Option<Value>], piece: usize) {
-        let instance: Vec<Value> = instance.iter().flatten().cloned().collect();
-        let counts = self.counts.entry((property, account::name("", &instance))).or_default();
+        let counts = self.counts.entry(Instance::running(property, instance)).or_default();
         if counts.len() <= piece {
             counts.resize(piece + 1, 0);
         }
@@ -28,7 +27,7 @@ impl Alarms {
 
     /// Where the episodes of a property, or of an instance of it, are on the axis.
     pub fn marks(&self, property: usize, instance: &[Value], episodes: &[Episode], axis: &Axis) -> Vec<Mark> {
-        let counts = self.counts.get(&(property, account::name("", instance)));
+        let counts = self.counts.get(&Instance::of(property, instance));
         let counts = counts.into_iter().flatten().enumerate();
         let pieces = counts.flat_map(|(piece, count)| std::iter::repeat_n(piece, *count));
         let pieces = pieces.chain(std::iter::repeat(axis.piece()));

@@ -6,7 +6,7 @@ use lapwing_react::history::{Shape, Track};
 use lapwing_stream::{Time, Value};
 
 use super::curve::Curve;
-use crate::account;
+use crate::instance::Instance;
 
 /// More instances of properties than this have no curve each.
 const INSTANCES: usize = 1000;
@@ -15,7 +15,7 @@ const INSTANCES: usize = 1000;
 /// from the first position: they are two curves, and what counts is the lesser of them.
 #[derive(Debug)]
 pub(super) struct Margins {
-    curves: BTreeMap<(usize, String), Passes>,
+    curves: BTreeMap<Instance, Passes>,
     most: usize,
 }
 
@@ -41,8 +41,7 @@ impl Margins {
 
     /// The obligations that begin at this time have this margin.
     pub fn note(&mut self, property: usize, instance: &[Option<Value>], at: Time, margin: f64) {
-        let instance: Vec<Value> = instance.iter().flatten().cloned().collect();
-        let key = (property, account::name("", &instance));
+        let key = Instance::running(property, instance);
         if self.curves.len() >= INSTANCES && !self.curves.contains_key(&key) {
             return;
         }
@@ -56,8 +55,7 @@ impl Margins {
 
     /// An obligation of the property fails now.
     pub fn keep(&mut self, property: usize, instance: &[Option<Value>]) {
-        let instance: Vec<Value> = instance.iter().flatten().cloned().collect();
-        let curves = self.curves.get_mut(&(property, account::name("", &instance)));
+        let curves = self.curves.get_mut(&Instance::running(property, instance));
         curves.into_iter().flat_map(|passes| &mut passes.all).for_each(|kept| kept.curve.keep());
     }
 
@@ -71,7 +69,7 @@ impl Margins {
 
     /// The margin of a property, or of an instance of it; `None` where there is nothing to draw.
     pub fn of(&self, property: usize, instance: &[Value]) -> Option<Track> {
-        let curves = self.curves.get(&(property, account::name("", instance)))?;
+        let curves = self.curves.get(&Instance::of(property, instance))?;
         let all: Vec<_> = curves.all.iter().map(|kept| kept.curve.points()).collect();
         let is_thinned = all.iter().any(|(_, is_thinned)| *is_thinned);
         let points = all.into_iter().map(|(points, _)| points).reduce(|a, b| lesser(&a, &b))?;

@@ -76,9 +76,11 @@ pub(crate) fn remarks(report: &Report) -> String {
     lines.extend(report.topics.iter().filter_map(unseen));
     lines.extend(report.gaps.iter().map(|gap| format!("not everything was looked at: {gap}")));
     // What has a place was shown there already, with the line that it is about.
-    lines.extend(report.warnings.iter().filter(|w| w.place.is_none()).map(|w| match w.code {
-        Some(code) => format!("warning[{code}]: {}", w.message),
-        None => format!("warning: {}", w.message),
+    let origin = Origin::of(report);
+    lines.extend(report.warnings.iter().filter(|w| w.place.is_none()).map(|w| match (w.code, w.at) {
+        (Some(code), _) => format!("warning[{code}]: {}", w.message),
+        (None, Some(at)) => format!("warning: at {}: {}", origin.time(at), w.message),
+        (None, None) => format!("warning: {}", w.message),
     }));
     lines.iter().map(|line| format!("  {}\n", line.replace('\n', "\n    "))).collect()
 }

@@ -2,7 +2,7 @@
 //!
 //! ROS 1 shapes are not here (its `std_msgs/Header` has one field more): ROS 1 recordings always carry their own.
 
-use super::{Base, Definition, DefinitionError, Dialect, parse};
+use super::{Definition, DefinitionError, Dialect, parse};
 
 /// One text per package: many definitions, each after a line `MSG: pkg/Type`.
 const PACKAGES: &[(&str, &str)] = &[
@@ -29,7 +29,7 @@ pub(super) fn definition(name: &str) -> Result<Option<Definition>, DefinitionErr
 }
 
 /// What stands between two definitions of a text, as ROS's own tools write it.
-const RULER: &str = "================================================================================\n";
+pub(super) const RULER: &str = "================================================================================\n";
 
 /// The bundled definition of that full name, and after it those of all messages in it: what a recorder writes beside the messages.
 pub fn text_with_parts(name: &str) -> Option<String> {
@@ -37,7 +37,7 @@ pub fn text_with_parts(name: &str) -> Option<String> {
     let (mut known, mut next) = (vec![name.to_owned()], 0);
     while let Some(current) = known.get(next).cloned() {
         next += 1;
-        for part in parts(&current) {
+        for part in definition(&current).ok().flatten().iter().flat_map(Definition::parts).cloned() {
             if !known.contains(&part) {
                 whole.push_str(&format!("{RULER}MSG: {part}\n{}", text(&part)?));
                 known.push(part);
@@ -47,19 +47,13 @@ pub fn text_with_parts(name: &str) -> Option<String> {
     Some(whole)
 }
 
-/// The messages that the fields of a bundled one are.
-fn parts(name: &str) -> Vec<String> {
-    let fields = definition(name).ok().flatten().map(|d| d.fields).unwrap_or_default();
-    let part = |base| if let Base::Message(name) = base { Some(name) } else { None };
-    fields.into_iter().filter_map(|f| part(f.ty.base)).collect()
-}
-
 /// The full names of all bundled definitions.
 pub fn names() -> impl Iterator<Item = &'static str> {
     PACKAGES.iter().flat_map(|(_, all)| sections(all)).map(|(name, _)| name)
 }
 
-fn text(name: &str) -> Option<&'static str> {
+/// The bundled text of that full name, alone.
+pub(super) fn text(name: &str) -> Option<&'static str> {
     let (package, _) = name.split_once('/')?;
     let (_, all) = PACKAGES.iter().find(|(p, _)| *p == package)?;
     sections(all).find(|(n, _)| *n == name).map(|(_, text)| text)

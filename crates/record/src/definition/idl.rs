@@ -108,7 +108,7 @@ impl<'a> Parser<'a> {
             let ty = self.field_type(scope, 0)?;
             loop {
                 let name = self.next()?;
-                fields.push(FieldDef { name: name.into(), ty: self.with_arrays(ty.clone())? });
+                fields.push(FieldDef { name: name.into(), ty: self.with_arrays(ty.clone())?, default: None });
                 if fields.len() > MAX_FIELDS {
                     return Err("too many fields".into());
                 }

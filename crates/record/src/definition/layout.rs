@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use lapwing_stream::{Field, Name, Schema, Type};
+use lapwing_stream::{Field, Name, Schema, Type, Value};
 
 use super::share::Lookup;
 use super::{Base, Definition, DefinitionError, FieldType};
@@ -19,6 +19,8 @@ const MAX_TYPES: usize = 4096;
 pub struct Layout {
     schema: Arc<Schema>,
     fields: Vec<(Name, Node)>,
+    /// What fields are that are left out, where that is not zero.
+    defaults: Vec<(Name, Value)>,
     /// The bytes it takes, where that does not depend on its values: packed as ROS 1 does.
     packed: Option<Span>,
     /// The same, aligned as CDR does.
@@ -83,6 +85,11 @@ impl Layout {
     /// The fields in the order in which they are sent.
     pub fn fields(&self) -> &[(Name, Node)] {
         &self.fields
+    }
+
+    /// What the field of that name is where a message is made that leaves it out, as far as the definition says that.
+    pub fn default_of(&self, name: &str) -> Option<&Value> {
+        self.defaults.iter().find(|(n, _)| &**n == name).map(|(_, value)| value)
     }
 
     /// How many bytes it takes, where that does not depend on its values.
@@ -151,13 +158,15 @@ impl Resolver<'_, '_> {
 
     fn build(&mut self, definition: Definition) -> Result<Layout, DefinitionError> {
         let mut fields = Vec::with_capacity(definition.fields.len());
+        let mut defaults = Vec::new();
         for field in definition.fields {
+            defaults.extend(field.default.map(|value| (field.name.clone(), value)));
             fields.push((field.name, self.node(field.ty)?));
         }
         let described = fields.iter().map(|(name, node)| Field { name: name.clone(), ty: node.ty() }).collect();
         let schema = Schema { name: definition.name, fields: described, constants: definition.constants };
         let (packed, aligned) = (whole_span(&fields, false), whole_span(&fields, true));
-        Ok(Layout { schema: Arc::new(schema), fields, packed, aligned })
+        Ok(Layout { schema: Arc::new(schema), fields, defaults, packed, aligned })
     }
 
     fn node(&mut self, ty: FieldType) -> Result<Node, DefinitionError> {

@@ -52,7 +52,10 @@ fn member(dialect: Dialect, into: &mut Definition, line: &str) -> Result<(), &'s
     match rest.trim_start().strip_prefix('=') {
         Some(value) => into.constants.push(Constant { name: name.into(), value: constant(&ty, value.trim())? }),
         // What else follows is a default, which is not sent, or a comment.
-        None => into.fields.push(FieldDef { name: name.into(), ty }),
+        None => {
+            let default = if dialect == Dialect::Ros1 { None } else { default(&ty, rest.trim()) };
+            into.fields.push(FieldDef { name: name.into(), ty, default });
+        }
     }
     Ok(())
 }
@@ -113,6 +116,20 @@ fn constant(ty: &FieldType, text: &str) -> Result<Value, &'static str> {
     }
 }
 
+/// The default of a field. One that cannot be read is none: nothing but the values of messages that others leave out depends on it.
+fn default(ty: &FieldType, text: &str) -> Option<Value> {
+    if text.is_empty() || text.starts_with('#') {
+        return None;
+    }
+    if ty.arrays.is_empty() {
+        return constant(ty, text).ok();
+    }
+    let element = FieldType { base: ty.base.clone(), arrays: Vec::new() };
+    let inner = text.strip_prefix('[')?.split_once(']')?.0;
+    let items = inner.split(',').map(str::trim).filter(|item| !item.is_empty());
+    items.map(|item| constant(&element, item).ok()).collect::<Option<Vec<_>>>().map(Value::List)
+}
+
 fn unquoted(text: &str) -> &str {
     let quote = text.chars().next().filter(|c| matches!(c, '"' | '\''));
     quote.and_then(|q| text[1..].find(q).map(|end| &text[1..=end])).unwrap_or(text)
@@ -154,6 +171,15 @@ mod tests {
         assert_eq!(d.fields[3].ty.arrays, [None]);
         assert_eq!(d.fields[4].ty.base, Base::Message("pkg/Point".into()));
         assert_eq!(d.fields[5].ty.base, Base::Message("other/T".into()));
+        assert_eq!((&d.fields[0].default, &d.fields[1].default), (&Some(5.0.into()), &Some("a # b".into())));
+        assert!(d.fields[2..].iter().all(|f| f.default.is_none()));
+        let arrays = one(Dialect::Ros2, "int8[3] a [1, -2, 3] # why\nstring[] b [\"x\", 'y']\nbool[] c []");
+        let list = |values: &[Value]| Some(Value::List(values.to_vec()));
+        assert_eq!(arrays.fields[0].default, list(&[1.0.into(), (-2.0).into(), 3.0.into()]));
+        assert_eq!(
+            (&arrays.fields[1].default, &arrays.fields[2].default),
+            (&list(&["x".into(), "y".into()]), &list(&[]))
+        );
     }
 
     #[test]

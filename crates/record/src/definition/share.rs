@@ -1,6 +1,6 @@
 //! Looks definitions up: in the text at hand, in installed share trees, among the bundled ones.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -38,6 +38,60 @@ impl Library {
     pub fn installed(&self, name: &str) -> Result<Arc<Layout>, DefinitionError> {
         let name = super::normal_name(name);
         layout::resolve(&name, &mut Lookup { library: self, dialect: Dialect::Ros2, known: BTreeMap::new() })
+    }
+
+    /// The full names of all messages that it has: those of the share trees, 65,536 of them at most, and the bundled ones. What a service is asked is
+    /// the message `pkg/Name_Request`, what it answers `pkg/Name_Response`.
+    pub fn names(&self) -> Vec<String> {
+        let mut names = BTreeSet::new();
+        for tree in &self.trees {
+            for packages in [tree.clone(), tree.join("share")] {
+                folders(&packages).for_each(|(package, folder)| {
+                    list(&package, &folder, &mut names);
+                    list(&package, &folder.join("share").join(&package), &mut names);
+                });
+            }
+        }
+        names.extend(bundled::names().map(str::to_owned));
+        names.into_iter().collect()
+    }
+
+    /// The `.msg` text of a message by its name alone, and after it those of all messages in it: from the share trees, else
+    /// bundled, in the shape of ROS 2. What a recorder writes beside the messages. `None` where there is no such text.
+    pub fn text(&self, name: &str) -> Result<Option<String>, DefinitionError> {
+        let name = super::normal_name(name);
+        let Some(text) = self.written(&name)? else { return Ok(None) };
+        self.complete(&name, &text).map(Some)
+    }
+
+    /// A `.msg` text, and after it those of all messages that it uses and does not define. A text that is nowhere is left out.
+    pub fn complete(&self, name: &str, text: &str) -> Result<String, DefinitionError> {
+        let name = super::normal_name(name);
+        let mut open = parse(Dialect::Ros2, &name, text)?;
+        let mut known: BTreeSet<String> = open.iter().map(|d| d.name.clone()).collect();
+        let mut whole = text.trim_end().to_owned() + "\n";
+        while let Some(definition) = open.pop() {
+            for part in definition.parts().filter(|part| !known.contains(*part)).collect::<BTreeSet<_>>() {
+                let Some(text) = self.written(part)? else { continue };
+                whole.push_str(&format!("{}MSG: {part}\n{}\n", bundled::RULER, text.trim_end()));
+                open.extend(parse(Dialect::Ros2, part, &text)?);
+                known.insert(part.clone());
+                if whole.len() > MAX_TEXT {
+                    return Err(DefinitionError::new(format!("its definition is longer than {MAX_TEXT} bytes")));
+                }
+            }
+        }
+        Ok(whole)
+    }
+
+    /// A `.msg` text alone.
+    fn written(&self, name: &str) -> Result<Option<String>, DefinitionError> {
+        for tree in &self.trees {
+            if let Some((Dialect::Ros2, text)) = installed_text(tree, Dialect::Ros2, name)? {
+                return Ok(Some(text));
+            }
+        }
+        Ok(bundled::text(name).map(str::to_owned))
     }
 
     fn find(&self, dialect: Dialect, name: &str) -> Result<Option<Definition>, DefinitionError> {
@@ -84,29 +138,80 @@ fn ros1_stamp(name: &str) -> Option<Definition> {
         "duration" => (Prim::I32, Prim::I32),
         _ => return None,
     };
-    let field =
-        |name: &str, prim| FieldDef { name: name.into(), ty: FieldType { base: Base::Prim(prim), arrays: Vec::new() } };
+    let field = |name: &str, prim| FieldDef {
+        name: name.into(),
+        ty: FieldType { base: Base::Prim(prim), arrays: Vec::new() },
+        default: None,
+    };
     let fields = vec![field("sec", seconds), field("nanosec", nanoseconds)];
     Some(Definition { name: name.to_owned(), fields, constants: Vec::new() })
 }
 
+/// So many names of share trees are listed.
+const MOST: usize = 1 << 16;
+
+/// What follows the name of a service in those of its two messages.
+const HALVES: [&str; 2] = ["_Request", "_Response"];
+
 fn installed_text(tree: &Path, dialect: Dialect, name: &str) -> Result<Option<(Dialect, String)>, DefinitionError> {
     let Some((package, ty)) = name.split_once('/') else { return Ok(None) };
-    let plain = |word: &str| !word.is_empty() && word.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_');
-    if !plain(package) || !plain(ty) {
+    if !is_plain(package) || !is_plain(ty) {
         return Ok(None);
     }
     let folders =
         [tree.join(package), tree.join("share").join(package), tree.join(package).join("share").join(package)];
     for folder in folders {
-        for (dialect, end) in [(dialect, "msg"), (Dialect::Idl, "idl")] {
-            let file = folder.join("msg").join(format!("{ty}.{end}"));
+        for (dialect, file) in [(dialect, format!("msg/{ty}.msg")), (Dialect::Idl, format!("msg/{ty}.idl"))] {
+            let file = folder.join(file);
             if file.is_file() {
                 return read(&file).map(|text| Some((dialect, text)));
             }
         }
+        for (half, suffix) in HALVES.iter().enumerate() {
+            let file = ty.strip_suffix(suffix).map(|service| folder.join(format!("srv/{service}.srv")));
+            if let Some(file) = file.filter(|file| file.is_file()) {
+                return read(&file).map(|text| Some((dialect, half_of(&text, half))));
+            }
+        }
     }
     Ok(None)
+}
+
+/// Whether a word can be a name of ROS, and no path.
+fn is_plain(word: &str) -> bool {
+    !word.is_empty() && word.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_')
+}
+
+/// What stands in the definition of a service before its line of dashes, or behind it.
+fn half_of(text: &str, half: usize) -> String {
+    let parts = text.split_inclusive('\n').collect::<Vec<_>>();
+    let mut halves = parts.split(|line| line.trim() == "---");
+    halves.nth(half).unwrap_or_default().concat()
+}
+
+/// The folders in a folder, by name; none where it cannot be read.
+fn folders(folder: &Path) -> impl Iterator<Item = (String, PathBuf)> {
+    let entries = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
+    let named = entries.filter_map(|entry| Some((entry.file_name().into_string().ok()?, entry.path())));
+    named.filter(|(name, path)| is_plain(name) && path.is_dir())
+}
+
+/// Adds the names of the messages that the folder of a package defines.
+fn list(package: &str, folder: &Path, names: &mut BTreeSet<String>) {
+    let files = |kind: &str| fs::read_dir(folder.join(kind)).into_iter().flatten().filter_map(Result::ok);
+    let named = |entry: fs::DirEntry| {
+        let file = entry.file_name().into_string().ok()?;
+        let (stem, end) = file.rsplit_once('.')?;
+        is_plain(stem).then(|| (stem.to_owned(), end.to_owned()))
+    };
+    let messages = files("msg").filter_map(named).filter(|(_, end)| matches!(end.as_str(), "msg" | "idl"));
+    let services = files("srv").filter_map(named).filter(|(_, end)| end == "srv");
+    let halves = services.flat_map(|(stem, _)| HALVES.map(|half| stem.clone() + half));
+    for ty in messages.map(|(stem, _)| stem).chain(halves) {
+        if names.len() < MOST {
+            names.insert(format!("{package}/{ty}"));
+        }
+    }
 }
 
 fn read(file: &Path) -> Result<String, DefinitionError> {
@@ -134,6 +239,42 @@ mod tests {
             assert_eq!(library.installed(name).unwrap().schema().fields.len(), 2, "{name}");
         }
         assert!(library.installed("../etc/passwd").is_err());
+        let names = library.names();
+        for name in ["mine/A", "other/B", "third/C", "nav_msgs/Odometry"] {
+            assert!(names.iter().any(|n| n == name), "{name}: {names:?}");
+        }
+    }
+
+    #[test]
+    fn a_service_is_two_messages() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::create_dir_all(dir.path().join("mine/srv")).unwrap();
+        fs::write(dir.path().join("mine/srv/Stop.srv"), "bool hard\nfloat64 within\n---\nstring why\n").unwrap();
+        let library = Library::new(&[dir.path().to_owned()]);
+        let fields = |name: &str| library.installed(name).unwrap().schema().fields.len();
+        assert_eq!([fields("mine/Stop_Request"), fields("mine/Stop_Response")], [2, 1]);
+        let mine: Vec<String> = library.names().into_iter().filter(|name| name.starts_with("mine/")).collect();
+        assert_eq!(mine, ["mine/Stop_Request", "mine/Stop_Response"]);
+    }
+
+    #[test]
+    fn a_text_is_completed_by_what_it_uses() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::create_dir_all(dir.path().join("mine/msg")).unwrap();
+        fs::write(dir.path().join("mine/msg/A.msg"), "B[3] b\nstd_msgs/Header header").unwrap();
+        fs::write(dir.path().join("mine/msg/B.msg"), "float64 K=2\nbuiltin_interfaces/Time t\ngone/Away x").unwrap();
+        let library = Library::new(&[dir.path().to_owned()]);
+        let text = library.text("mine/msg/A").unwrap().unwrap();
+        for part in ["MSG: mine/B\nfloat64 K=2\n", "MSG: std_msgs/Header\n", "MSG: builtin_interfaces/Time\n"] {
+            assert_eq!(text.matches(part).count(), 1, "{part} in\n{text}");
+        }
+        assert!(text.starts_with("B[3] b\n") && !text.contains("MSG: gone/Away"), "{text}");
+        assert_eq!(library.text("mine/C"), Ok(None));
+        let odometry = library.text("nav_msgs/Odometry").unwrap().unwrap();
+        assert_eq!(
+            library.layout(Dialect::Ros2, "nav_msgs/Odometry", &odometry).unwrap().schema(),
+            library.installed("nav_msgs/Odometry").unwrap().schema()
+        );
     }
 
     #[test]

@@ -3,9 +3,11 @@
 mod chosen;
 mod form;
 mod named;
+mod others;
 mod topics;
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use lapwing_stream::{Name, Time};
@@ -17,6 +19,7 @@ use crate::decimal;
 use crate::decode::{DecodeError, scan::Scanner};
 use crate::definition::Library;
 use crate::error::{Losses, Place, ReadError};
+use crate::met::Met;
 use crate::options::Limits;
 use chosen::Chosen;
 use named::Named;
@@ -29,6 +32,8 @@ pub(crate) struct Ndjson {
     topics: Topics,
     row: Row,
     event: String,
+    /// The names of the events met so far.
+    events: BTreeSet<String>,
     fields: Named,
     /// Where the latest message is.
     message: Range<usize>,
@@ -68,6 +73,7 @@ impl Ndjson {
             topics: Topics::new(library, limits.names),
             row: Row::All(Named::default()),
             event: String::new(),
+            events: BTreeSet::new(),
             fields: Named::default(),
             message: 0..0,
             last: Head::Row,
@@ -98,6 +104,9 @@ impl Ndjson {
         let head = if let Some(name) = event {
             self.event.clear();
             self.event.push_str(&name);
+            if self.events.len() < self.limits.names && !self.events.contains(&self.event) {
+                self.events.insert(self.event.clone());
+            }
             let is_field = |key: &str| !matches!(key, "t" | "t_ns" | "event");
             self.fields.fill(&mut Scanner::new(text), &self.limits, is_field)?;
             Head::Event
@@ -216,6 +225,15 @@ impl Source for Ndjson {
 
     fn event(&self) -> &str {
         &self.event
+    }
+
+    fn met(&self) -> Met {
+        let mut signals: BTreeSet<String> = self.names.iter().map(|name| name.to_string()).collect();
+        if let Row::Chosen(chosen) = &self.row {
+            signals.extend(chosen.others().names().map(str::to_owned));
+        }
+        let events = self.events.iter().cloned().collect();
+        Met { signals: signals.into_iter().collect(), events, ..Met::of(self.channels()) }
     }
 
     fn place(&self) -> Place {

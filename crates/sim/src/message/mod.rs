@@ -6,7 +6,7 @@ mod definition;
 use lapwing_stream::Time;
 
 pub use cdr::Cdr;
-pub use definition::{Kind, layout, text};
+pub use definition::{Definition, DefinitionMissing, Kind};
 
 /// A point or a vector in space.
 pub type Vector = [f64; 3];

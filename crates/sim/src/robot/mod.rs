@@ -78,6 +78,8 @@ pub struct Robot {
     asked: usize,
     told: usize,
     decides: Ticker,
+    /// Commands from outside that were not told to the base yet; nothing where it obeys its own program.
+    outside: Option<Vec<Command>>,
 }
 
 impl Robot {
@@ -109,6 +111,7 @@ impl Robot {
             told: topics.add(format!("{prefix}/cmd_vel"), Kind::Twist),
             senses: Senses::new(&prefix, &robot.drive, topics),
             decides: Ticker::new(20.0, 15),
+            outside: (robot.commands == scenario::Commands::Outside).then(Vec::new),
             link: Link::default(),
             faults,
             name,
@@ -124,6 +127,21 @@ impl Robot {
     /// Its body in the world.
     pub fn body(&self) -> Body {
         self.body
+    }
+
+    /// From now on it obeys what comes from outside, and nothing else.
+    pub fn obey_outside(&mut self) {
+        self.outside.get_or_insert_default();
+    }
+
+    /// The topic on which it is told commands from outside, if it obeys these.
+    pub fn ear(&self) -> Option<usize> {
+        self.outside.as_ref().map(|_| self.told)
+    }
+
+    /// A command from outside, which it is told in the next step.
+    pub fn command(&mut self, command: Command) {
+        self.outside.iter_mut().for_each(|heard| heard.push(command));
     }
 
     /// Its base pulls it along, before the world takes a step.
@@ -144,6 +162,9 @@ impl Robot {
         self.suffer(step);
         self.meet_people(step);
         self.sense(step);
+        for command in self.outside.as_mut().map(std::mem::take).unwrap_or_default() {
+            self.tell(command, step);
+        }
         if self.decides.is_due(step.clock.nanos()) {
             self.decide(step);
         } else if let Some(command) = self.link.repeat(&self.faults, now) {
@@ -165,6 +186,9 @@ impl Robot {
         };
         let Some(command) = self.driver.decide(&view) else { return };
         step.outbox.send(self.asked, Message::Twist(twist(command)));
+        if self.outside.is_some() {
+            return;
+        }
         if let Some(command) = self.link.pass(command, &self.faults, now) {
             self.tell(command, step);
             step.overheard.push(command);

@@ -154,6 +154,9 @@ pub struct Robot {
     pub odometry: Odometry,
     /// What its program does.
     pub drive: Drive,
+    /// Whose commands its base obeys.
+    #[serde(default)]
+    pub commands: Commands,
     /// What people do to it.
     #[serde(default)]
     pub event: Vec<Event>,
@@ -168,6 +171,17 @@ pub enum Kind {
     Turtlebot3,
     /// A small car.
     Car,
+}
+
+/// Whose commands the base of a robot obeys.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Commands {
+    /// Those of its program, as the faults between the two alter them.
+    #[default]
+    Own,
+    /// Those that other nodes of a live graph publish on `cmd_vel`. Its program speaks all the same, on `cmd_vel_original`.
+    Outside,
 }
 
 /// How good an odometry is.

@@ -11,8 +11,8 @@ use crate::fault::Order;
 
 pub use error::{ScenarioError, similar};
 pub use file::{
-    Action, Climb, Crate, Dock, DockDrive, Drive, Drone, Event, File, Follow, Kind, Line, Odometry, Post, Road, Robot,
-    Scatter, Sign, Wall, Wander, Waypoints, World,
+    Action, Climb, Commands, Crate, Dock, DockDrive, Drive, Drone, Event, File, Follow, Kind, Line, Odometry, Post,
+    Road, Robot, Scatter, Sign, Wall, Wander, Waypoints, World,
 };
 pub use number::{Amount, Number, Size, draw_point};
 

@@ -3,7 +3,7 @@
 use lapwing_check::checked::Machine;
 
 use super::super::formula::Printer;
-use super::{Edge, Graph, Shape};
+use lapwing_draw::{Edge, Graph, Shape};
 
 /// The graph of a machine: an arrow says by which event and under which condition, its own or that of the state it leads to.
 pub(super) fn graph(printer: &Printer<'_>, machine: &Machine) -> Option<Graph> {

@@ -3,8 +3,8 @@
 use lapwing_check::checked::{Bound, Connective, Expr, Kind, Scope};
 
 use super::super::formula::{Printer, bound};
-use super::{Graph, Shape};
 use crate::words;
+use lapwing_draw::{Graph, Shape};
 
 /// The tree of a property: when obligations arise, and below that the formula of each.
 pub(super) fn graph(printer: &Printer<'_>, name: &str, formula: &Expr) -> Graph {

@@ -1,0 +1,11 @@
+//! `lapwing monitor` on real graphs: a robot by rospy under a real master, and one by rclpy over Fast DDS. Each test has a master's port or a domain of
+//! its own, and everything that it starts ends with it.
+//!
+//! Needs what `tools/peers.sh` and `tools/ros2.sh` install; without it the tests fail and say so.
+#![cfg(all(feature = "ros1", feature = "ros2", unix))]
+
+mod graph;
+mod guarding;
+mod lapwing;
+mod watching;
+mod words;

@@ -1,0 +1,108 @@
+"""A robot for the tests of `lapwing monitor`: it does what standard input tells it, a line each, and prints what it hears.
+
+    robot.py ros1|ros2
+
+    offer TOPIC          publishes numbers (std_msgs/Float64) there from now on
+    say TOPIC NUMBER     publishes one
+    leave TOPIC          publishes there no more
+    hear TOPIC           prints `heard TOPIC NUMBER` for every number that comes
+    diagnose             prints `diagnosed NAME LEVEL` for every status on /diagnostics
+    serve SERVICE        answers std_srvs/Trigger, and prints `called SERVICE`
+
+It answers each line with `done`, and ends with its input: so it does not outlive its test.
+"""
+
+import sys
+import threading
+
+
+def say(*words):
+    print(*words, flush=True)
+
+
+class Ros1:
+    def __init__(self):
+        import rospy
+        from diagnostic_msgs.msg import DiagnosticArray
+        from std_msgs.msg import Float64
+        from std_srvs.srv import Trigger, TriggerResponse
+
+        self.rospy, self.number, self.diagnostics = rospy, Float64, DiagnosticArray
+        self.trigger, self.answer = Trigger, TriggerResponse
+        rospy.init_node("robot", disable_signals=True)
+
+    def publisher(self, topic):
+        return self.rospy.Publisher(topic, self.number, queue_size=100)
+
+    def unpublish(self, publisher):
+        publisher.unregister()
+
+    def subscribe(self, topic, kind, heard):
+        self.rospy.Subscriber(topic, kind, heard)
+
+    def serve(self, service, called):
+        def answer(_):
+            called()
+            return self.answer(success=True, message="halted")
+
+        self.rospy.Service(service, self.trigger, answer)
+
+
+class Ros2:
+    def __init__(self):
+        import rclpy
+        from diagnostic_msgs.msg import DiagnosticArray
+        from std_msgs.msg import Float64
+        from std_srvs.srv import Trigger
+
+        self.number, self.diagnostics, self.trigger = Float64, DiagnosticArray, Trigger
+        rclpy.init()
+        self.node = rclpy.create_node("robot")
+        threading.Thread(target=rclpy.spin, args=(self.node,), daemon=True).start()
+
+    def publisher(self, topic):
+        return self.node.create_publisher(self.number, topic, 100)
+
+    def unpublish(self, publisher):
+        self.node.destroy_publisher(publisher)
+
+    def subscribe(self, topic, kind, heard):
+        self.node.create_subscription(kind, topic, heard, 100)
+
+    def serve(self, service, called):
+        def answer(_, response):
+            called()
+            response.success, response.message = True, "halted"
+            return response
+
+        self.node.create_service(self.trigger, service, answer)
+
+
+def level(status):
+    return status.level[0] if isinstance(status.level, bytes) else status.level
+
+
+def main():
+    robot = {"ros1": Ros1, "ros2": Ros2}[sys.argv[1]]()
+    publishers = {}
+    say("ready")
+    for line in sys.stdin:
+        word, *rest = line.split()
+        topic = rest[0] if rest else None
+        if word == "offer":
+            publishers[topic] = robot.publisher(topic)
+        elif word == "say":
+            publishers[topic].publish(robot.number(data=float(rest[1])))
+        elif word == "leave":
+            robot.unpublish(publishers.pop(topic))
+        elif word == "hear":
+            robot.subscribe(topic, robot.number, lambda message, topic=topic: say("heard", topic, message.data))
+        elif word == "diagnose":
+            heard = lambda message: [say("diagnosed", s.name.replace(" ", ""), level(s)) for s in message.status]
+            robot.subscribe("/diagnostics", robot.diagnostics, heard)
+        elif word == "serve":
+            robot.serve(topic, lambda topic=topic: say("called", topic))
+        say("done")
+
+
+main()

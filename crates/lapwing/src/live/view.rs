@@ -1,0 +1,192 @@
+//! How things stand at a moment of a live run: for a screen, a page, a scraper of metrics. Plain data, made on demand.
+
+use std::collections::BTreeMap;
+
+use lapwing_react::Reading;
+use lapwing_stream::Time;
+
+use super::course::Course;
+use super::figures::Figures;
+
+/// How things stand.
+#[derive(Clone, Debug, Default)]
+pub struct View {
+    /// What is watched.
+    pub source: String,
+    /// When the run began and what time it is now, on the clock in use.
+    pub began: Time,
+    /// See `began`.
+    pub now: Time,
+    /// The properties, in the order of the text, specification by specification.
+    pub properties: Vec<PropertyView>,
+    /// The topics that are read, by name.
+    pub topics: Vec<TopicView>,
+    /// What the run has measured of itself.
+    pub figures: Figures,
+}
+
+/// How a property stands.
+#[derive(Clone, Debug)]
+pub struct PropertyView {
+    /// Its name, with its instance.
+    pub name: String,
+    /// The file that it stands in.
+    pub file: String,
+    /// The line of its first token.
+    pub line: usize,
+    /// Its source text.
+    pub text: String,
+    /// How it stands.
+    pub state: StateNow,
+    /// Why it cannot be judged now.
+    pub cause: Option<String>,
+    /// How many episodes of failures it has had.
+    pub violations: u64,
+    /// When the latest of them was found.
+    pub latest: Option<Time>,
+    /// The worst margin so far, where margins are computed.
+    pub margin: Option<f64>,
+    /// What it shows, as it is now.
+    pub values: Vec<Reading>,
+}
+
+/// The ways in which a property can stand while a run goes on.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum StateNow {
+    /// It has failed.
+    Violated,
+    /// It has not failed, and cannot be judged now.
+    Blind,
+    /// It waits for something that it reads.
+    Waiting,
+    /// It has not failed.
+    Good,
+}
+
+impl StateNow {
+    /// The word on screens and in metrics.
+    pub fn word(self) -> &'static str {
+        match self {
+            StateNow::Violated => "violated",
+            StateNow::Blind => "blind",
+            StateNow::Waiting => "waiting",
+            StateNow::Good => "good",
+        }
+    }
+}
+
+/// How a topic stands.
+#[derive(Clone, Debug, Default)]
+pub struct TopicView {
+    /// Its name.
+    pub name: String,
+    /// The type that it is read with.
+    pub type_name: Option<String>,
+    /// How many messages came.
+    pub messages: u64,
+    /// How many came a second, lately.
+    pub rate: f64,
+    /// How many publish it.
+    pub publishers: u64,
+    /// Why it cannot be seen now.
+    pub causes: Vec<String>,
+}
+
+/// The violations of a property so far: how many episodes, and when the latest was found.
+pub(crate) type Tally = BTreeMap<(usize, String), (u64, Time)>;
+
+impl Course<'_> {
+    /// How things stand, but for rates and figures.
+    pub fn view(&self) -> View {
+        let mut view = View {
+            source: self.source().to_owned(),
+            began: self.first().unwrap_or_default(),
+            now: self.last().unwrap_or_default(),
+            ..View::default()
+        };
+        for (spec, post) in self.posts.iter().enumerate() {
+            let margins: BTreeMap<String, f64> = match self.measures() {
+                true => post.shifts.iter().flat_map(|shift| shift.run.margins()).collect(),
+                false => BTreeMap::new(),
+            };
+            let sees =
+                |topic: &str| self.ledger.now(topic).map(|cause| format!("{topic}: {cause}")).collect::<Vec<_>>();
+            for (blank, topics) in post.known() {
+                let causes: Vec<String> = topics.iter().flat_map(|topic| sees(topic)).collect();
+                let (violations, latest) = match self.tally.get(&(spec, blank.name.clone())) {
+                    Some((count, at)) => (*count, Some(*at)),
+                    None => self.of_instances(spec, &blank.name),
+                };
+                let shift = post.shifts.iter().find(|shift| shift.owned.contains(&blank.name));
+                let has_started = shift.is_some_and(|shift| shift.run.standing(&blank.name).started);
+                let state = match () {
+                    () if violations > 0 => StateNow::Violated,
+                    () if !causes.is_empty() => StateNow::Blind,
+                    () if !has_started => StateNow::Waiting,
+                    () => StateNow::Good,
+                };
+                let cause = if causes.is_empty() { blank.cause.clone() } else { Some(causes.join("; ")) };
+                view.properties.push(PropertyView {
+                    name: blank.name.clone(),
+                    file: blank.file.clone(),
+                    line: blank.line,
+                    text: blank.text.clone(),
+                    state,
+                    cause: cause.filter(|_| matches!(state, StateNow::Blind | StateNow::Waiting)),
+                    violations,
+                    latest,
+                    margin: margins.get(&blank.name).copied(),
+                    values: shift.map(|shift| shift.run.present(&blank.name)).unwrap_or_default(),
+                });
+            }
+        }
+        view.topics = self.topics_now();
+        view
+    }
+
+    /// The violations of the instances of a property that are made of the values of events.
+    fn of_instances(&self, spec: usize, name: &str) -> (u64, Option<Time>) {
+        let prefix = format!("{name}[");
+        let of = self.tally.iter().filter(|((s, n), _)| *s == spec && n.starts_with(&prefix));
+        of.fold((0, None), |(sum, latest), (_, (count, at))| (sum + count, latest.max(Some(*at))))
+    }
+
+    fn topics_now(&self) -> Vec<TopicView> {
+        let topic = |topic: lapwing_react::Topic| TopicView {
+            messages: self.graph.messages(&topic.name),
+            publishers: self.graph.publishers(&topic.name),
+            causes: self.ledger.now(&topic.name).map(ToString::to_string).collect(),
+            rate: 0.0,
+            type_name: topic.type_name,
+            name: topic.name,
+        };
+        self.topics().into_iter().map(topic).collect()
+    }
+}
+
+/// Rates of topics, from how many messages had come when they were asked for last.
+#[derive(Debug, Default)]
+pub(crate) struct Rates {
+    last: Option<Time>,
+    counts: BTreeMap<String, (u64, f64)>,
+}
+
+/// How much the latest stretch weighs against what was before.
+const WEIGHT: f64 = 0.5;
+
+impl Rates {
+    /// Fills in the rates of a view that is taken at a time of the wall clock.
+    pub fn fill(&mut self, view: &mut View, at: Time) {
+        let seconds = self.last.map_or(0.0, |last| at.since(last).seconds());
+        self.last = Some(at);
+        for topic in &mut view.topics {
+            let (count, rate) = self.counts.entry(topic.name.clone()).or_insert((topic.messages, 0.0));
+            if seconds > 0.0 {
+                let fresh = topic.messages.saturating_sub(*count) as f64 / seconds;
+                *rate = if *rate == 0.0 { fresh } else { WEIGHT * fresh + (1.0 - WEIGHT) * *rate };
+            }
+            *count = topic.messages;
+            topic.rate = *rate;
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! Calls and returns: what `#[instrument]` says of a function, however it ends.
+
+use std::panic::catch_unwind;
+
+use crate::robot::{kicker, rival};
+use crate::support::{alone, cause, counting, said, same_as_checked, verdict, watched};
+
+const INIT: &str = "event ready_true = return Kicker::ready when result == true
+event ready_false = return Kicker::ready when result == false
+event play = call Kicker::play
+property init over (ready_true, ready_false, play): ltl([](play => <*> ready_true))
+";
+
+alone! {
+    fn a_robot_that_is_ready_before_it_plays() {
+        let monitor = watched(INIT);
+        kicker::ready(false);
+        kicker::ready(true);
+        kicker::play();
+        let report = monitor.finish();
+        let lines = "{\"t\": 0, \"event\": \"ready_false\"}\n{\"t\": 1, \"event\": \"ready_true\"}\n{\"t\": 2, \"event\": \"play\"}\n";
+        assert_eq!(verdict(&report, "init"), "holds");
+        same_as_checked(&report, INIT, lines);
+    }
+
+    fn a_robot_that_is_not() {
+        let monitor = watched(INIT);
+        kicker::play();
+        kicker::ready(true);
+        kicker::play();
+        let report = monitor.finish();
+        let lines = "{\"t\": 0, \"event\": \"play\"}\n{\"t\": 1, \"event\": \"ready_true\"}\n{\"t\": 2, \"event\": \"play\"}\n";
+        assert_eq!(verdict(&report, "init"), "violated");
+        same_as_checked(&report, INIT, lines);
+    }
+
+    fn results_errors_and_arguments_are_fields() {
+        let text = "event found = return Kicker::find_ball when result > 1
+event lost = return Kicker::find_ball when error == \"no ball\"
+event asked = call Kicker::find_ball
+event kick = call Kicker::kick when power > 2 and robot == \"r1\"
+property finds over (found, lost, asked, kick): always not lost
+property order: whenever kick, previously found
+";
+        let monitor = watched(text);
+        let _ = kicker::find_ball(Some(1.0));
+        kicker::kick("r1", 3.0);
+        kicker::kick("r1", 1.0);
+        let _ = kicker::find_ball(None);
+        kicker::kick("r1", 3.0);
+        let report = monitor.finish();
+        let lines = "{\"t\": 0, \"event\": \"asked\"}\n{\"t\": 1, \"event\": \"found\"}\n{\"t\": 2, \"event\": \"kick\"}\n\
+                     {\"t\": 4, \"event\": \"asked\"}\n{\"t\": 5, \"event\": \"lost\"}\n{\"t\": 6, \"event\": \"kick\"}\n";
+        assert_eq!((verdict(&report, "finds"), verdict(&report, "order")), ("violated", "violated"));
+        // The kick that its condition hides has the stamp 3.
+        same_as_checked(&report, text, lines);
+    }
+
+    fn a_panic_ends_a_function_without_a_return() {
+        let text = "event grabs = call Kicker::grab
+event grabbed = return Kicker::grab
+always grabs or grabbed
+property pairs: whenever grabs, next grabbed
+";
+        let monitor = watched(text);
+        kicker::grab(Some(1.0));
+        std::panic::set_hook(Box::new(|_| {}));
+        assert!(catch_unwind(|| kicker::grab(None)).is_err());
+        kicker::grab(Some(2.0));
+        let report = monitor.finish();
+        let lines = "{\"t\": 0, \"event\": \"grabs\"}\n{\"t\": 1, \"event\": \"grabbed\"}\n{\"t\": 2, \"event\": \"grabs\"}\n\
+                     {\"t\": 3, \"event\": \"grabs\"}\n{\"t\": 4, \"event\": \"grabbed\"}\n";
+        assert_eq!(verdict(&report, "pairs"), "violated");
+        same_as_checked(&report, text, lines);
+    }
+
+    fn the_end_of_a_function_that_records_no_result_is_its_return() {
+        let text = "event plays = call Kicker::play
+event played = return Kicker::play
+property pairs: whenever plays, next played
+";
+        let monitor = watched(text);
+        kicker::play();
+        kicker::play();
+        let report = monitor.finish();
+        let line = |t: u32, event: &str| format!("{{\"t\": {t}, \"event\": \"{event}\"}}\n");
+        let lines = [line(0, "plays"), line(1, "played"), line(2, "plays"), line(3, "played")].concat();
+        same_as_checked(&report, text, &lines);
+        assert_eq!(said(&report, "pairs").obligations.met, 4);
+    }
+
+    fn a_result_that_is_not_recorded_cannot_be_judged() {
+        let text = "event won = return Kicker::play when result == true\nevent plays = call Kicker::play\n\
+                    property wins over (won, plays): always not won\n";
+        let monitor = watched(text);
+        kicker::play();
+        let report = monitor.finish();
+        assert_eq!(verdict(&report, "wins"), "inconclusive");
+        assert!(cause(&report, "wins").contains("`#[instrument(ret)]` does"), "{}", cause(&report, "wins"));
+    }
+
+    fn two_functions_of_one_name_are_an_error() {
+        let text = "event play = call Kicker::play\nevent ready = return Kicker::ready\n\
+                    property calm: always not play\nproperty other: always not ready\n";
+        let monitor = watched(text);
+        rival::kicker::play();
+        kicker::play();
+        kicker::ready(true);
+        let report = monitor.finish();
+        // The first was taken for what was meant, since nobody could know of the second.
+        assert_eq!(verdict(&report, "calm"), "violated");
+        assert_eq!(said(&report, "calm").obligations.failed, 1);
+        let text = "event play = call Kicker::play\nproperty once_at_most over (play): always (play implies not next play)\n";
+        let monitor = counting(text).build().expect("a monitor");
+        tracing::subscriber::with_default(registry_with(&monitor), || {
+            rival::kicker::play();
+            kicker::play();
+            kicker::play();
+        });
+        let report = monitor.finish();
+        assert_eq!(verdict(&report, "once_at_most"), "inconclusive");
+        let cause = cause(&report, "once_at_most");
+        assert!(cause.contains("rival::kicker::play") && cause.contains("say which by the modules"), "{cause}");
+    }
+
+    fn modules_tell_functions_of_one_name_apart() {
+        let text = "event play = call rival::kicker::play\nproperty calm: always not play\n";
+        let monitor = watched(text);
+        kicker::play();
+        rival::kicker::play();
+        let report = monitor.finish();
+        same_as_checked(&report, text, "{\"t\": 0, \"event\": \"play\"}\n");
+    }
+
+    fn what_was_never_reached_cannot_be_judged() {
+        let text = "event play = call Kicker::play\nevent kick = call Kicker::kick\n\
+                    property calm: always (play implies not kick)\nproperty plays: always not play\n";
+        let monitor = watched(text);
+        kicker::play();
+        let report = monitor.finish();
+        assert_eq!((verdict(&report, "calm"), verdict(&report, "plays")), ("inconclusive", "violated"));
+        assert!(cause(&report, "calm").contains("no function `Kicker::kick` was seen"));
+
+        let monitor = counting(text).assume_instrumented(["Kicker::kick"]).build().expect("a monitor");
+        tracing::subscriber::with_default(registry_with(&monitor), kicker::play);
+        assert_eq!(verdict(&monitor.finish(), "calm"), "holds");
+    }
+}
+
+fn registry_with(monitor: &lapwing_tracing::Monitor) -> impl tracing::Subscriber + Send + Sync + use<> {
+    use tracing_subscriber::layer::SubscriberExt;
+    tracing_subscriber::registry().with(monitor.layer())
+}

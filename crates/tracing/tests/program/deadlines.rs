@@ -1,0 +1,70 @@
+//! What had to happen by now and has not: nothing has to arrive for that to be noticed.
+
+use std::sync::mpsc;
+use std::time::Duration;
+
+use lapwing_tracing::{ManualClock, Monitor, Time};
+
+use crate::support::{said, same_as_checked, spec, verdict};
+
+const TEXT: &str = "event asked\nevent answered\nproperty answers: whenever asked, eventually within 2 s answered\n";
+
+fn at(clock: &ManualClock, seconds: f64) {
+    clock.set(Time((seconds * 1e9) as i64));
+}
+
+#[test]
+fn a_host_with_a_clock_of_its_own_says_when_time_has_passed() {
+    let clock = ManualClock::new();
+    let (tell, told) = mpsc::channel();
+    let builder = Monitor::builder(spec(TEXT)).clock(clock.clone());
+    let tell = std::sync::Mutex::new(tell);
+    let monitor = builder
+        .on_violation(move |v| tell.lock().expect("a sender").send(v.failed()).expect("someone listens"))
+        .build()
+        .expect("a monitor");
+    monitor.event("asked");
+    at(&clock, 2.0);
+    monitor.advance();
+    assert!(told.try_recv().is_err(), "an answer with this very stamp would still count");
+    at(&clock, 2.5);
+    monitor.advance();
+    assert_eq!(told.try_recv(), Ok(Time(2_000_000_000)), "it failed when its time was over, not when that was noticed");
+    at(&clock, 3.0);
+    monitor.event("answered");
+    let lines = "{\"t\": 0, \"event\": \"asked\"}\n{\"t\": 3, \"event\": \"answered\"}\n";
+    same_as_checked(&monitor.finish(), TEXT, lines);
+}
+
+#[test]
+fn with_the_machines_clock_a_thread_notices_by_itself() {
+    let text = TEXT.replace("2 s", "20 ms");
+    let (tell, told) = mpsc::channel();
+    let tell = std::sync::Mutex::new(tell);
+    let builder = Monitor::builder(spec(&text));
+    let monitor = builder
+        .on_violation(move |v| {
+            tell.lock().expect("a sender").send(v.failed().since(v.began())).expect("someone listens")
+        })
+        .build()
+        .expect("a monitor");
+    monitor.event("asked");
+    let late = told.recv_timeout(Duration::from_secs(60)).expect("nobody answers");
+    assert_eq!(late.nanos(), 20_000_000);
+    assert_eq!(verdict(&monitor.finish(), "answers"), "violated");
+}
+
+#[test]
+fn a_clock_that_goes_back_starts_everything_anew() {
+    let clock = ManualClock::new();
+    let monitor = Monitor::builder(spec(TEXT)).clock(clock.clone()).build().expect("a monitor");
+    at(&clock, 5.0);
+    monitor.event("asked");
+    at(&clock, 1.0);
+    monitor.event("asked");
+    at(&clock, 1.5);
+    monitor.event("answered");
+    let report = monitor.finish();
+    assert_eq!(said(&report, "answers").obligations.met, 2);
+    assert!(report.warnings.iter().any(|w| w.message.contains("time jumped back from 5 s to 1 s")));
+}

@@ -1,0 +1,16 @@
+//! Instrumented programs with a monitor in them: what it says is what `lapwing check` says of the same events.
+
+mod robot;
+mod support;
+
+mod calls;
+mod deadlines;
+mod filters;
+mod handlers;
+#[cfg(feature = "log")]
+mod logs;
+mod machines;
+mod memory;
+mod plain;
+mod recordings;
+mod spans;

@@ -1,0 +1,122 @@
+//! What a monitor writes down is checked again, by the same specification, with the same verdicts.
+
+use std::io::{self, Write};
+use std::sync::{Arc, Mutex};
+
+use lapwing_tracing::{ManualClock, Monitor, Report, Time};
+
+use crate::robot::{kicker, sensor_controller};
+use crate::support::{alone, checked, counting, properties, spec, verdict};
+
+/// A file in memory.
+#[derive(Clone, Default)]
+struct Memory(Arc<Mutex<Vec<u8>>>);
+
+impl Memory {
+    fn text(&self) -> String {
+        String::from_utf8(self.0.lock().expect("a memory").clone()).expect("text")
+    }
+}
+
+impl Write for Memory {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.lock().expect("a memory").extend(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// A file on a disk that is full.
+struct Full;
+
+impl Write for Full {
+    fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+        Err(io::Error::other("the disk is full"))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+const TEXT: &str = "event ready_true = return Kicker::ready when result == true
+event play = call Kicker::play
+event kick = call Kicker::kick when robot == \"a \\\"b\\\"\"
+event inner = set SensorController.sonar below Kicker::ball_in_front
+property init over (ready_true, play): ltl([](play => <*> ready_true))
+property sonar_is_sound: never isnan(sonar)
+property soft: for each r of kick.robot: always not (kick and kick.power > 2)
+property hears over (inner, kick): whenever kick, previously inner
+property bounded: whenever inner, eventually within 2 s kick
+";
+
+fn same_again(report: &Report, memory: &Memory) {
+    assert_eq!(properties(report), properties(&checked(TEXT, &memory.text())));
+}
+
+alone! {
+    fn a_run_is_judged_again_from_what_was_recorded() {
+        let memory = Memory::default();
+        let monitor = counting(TEXT).record(memory.clone()).install().expect("a monitor");
+        kicker::play();
+        kicker::ready(false);
+        kicker::ready(true);
+        kicker::ball_in_front(|| sensor_controller::set_sonar(0.5));
+        kicker::kick("a \"b\"", 3.0);
+        kicker::kick("other", 1.0);
+        sensor_controller::set_sonar(f64::NAN);
+        sensor_controller::set_sonar(f64::INFINITY);
+        kicker::ball_in_front(|| sensor_controller::set_sonar(1e-9));
+        let report = monitor.finish();
+        assert_eq!((verdict(&report, "init"), verdict(&report, "sonar_is_sound")), ("violated", "violated"));
+        same_again(&report, &memory);
+        let lines = memory.text();
+        assert!(lines.starts_with("{\"t_ns\":0,\"event\":\"play\"}\n{\"t_ns\":1000000000,\"event\":\"ready_true\",\"result\":false}\n"));
+    }
+
+    fn a_writer_that_raises_events_itself_does_no_harm() {
+        struct Loud;
+        impl Write for Loud {
+            fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+                kicker::play();
+                Ok(bytes.len())
+            }
+
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        let monitor = counting(TEXT).record(Loud).install().expect("a monitor");
+        kicker::ready(true);
+        kicker::play();
+        let report = monitor.finish();
+        assert_eq!(verdict(&report, "init"), "holds");
+        assert!(report.warnings.iter().any(|w| w.message.starts_with("what the clock or the writer")));
+    }
+
+    fn time_that_passes_is_recorded_too() {
+        let (memory, clock) = (Memory::default(), ManualClock::new());
+        let builder = Monitor::builder(spec(TEXT)).clock(clock.clone()).record(memory.clone());
+        let monitor = builder.install().expect("a monitor");
+        kicker::ready(true);
+        kicker::play();
+        kicker::kick("other", 1.0);
+        kicker::ball_in_front(|| sensor_controller::set_sonar(0.5));
+        clock.set(Time(5_000_000_000));
+        let report = monitor.finish();
+        assert_eq!(verdict(&report, "bounded"), "violated");
+        same_again(&report, &memory);
+    }
+}
+
+#[test]
+fn a_recording_that_fails_is_told_of() {
+    let monitor = counting("event kick\nalways not kick\n").record(Full).build().expect("a monitor");
+    monitor.event("kick");
+    let report = monitor.finish();
+    assert!(report.warnings.iter().any(|w| w.message == "not everything that arrived was recorded: the disk is full"));
+    assert_eq!(report.properties[0].verdict.word(), "violated");
+}

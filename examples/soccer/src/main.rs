@@ -1,0 +1,111 @@
+//! The command: plays a match, or makes the tables and the drawing of the README.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+use soccer::fault::Fault;
+use soccer::figures::{self, Player};
+use soccer::game::{Game, spec};
+use soccer::{page, watch};
+
+/// A Lego robot plays soccer, and is watched by monitors that it knows nothing of.
+#[derive(Parser)]
+#[command(version)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Play a match, and tell what happened
+    Play(Play),
+    /// Play all matches of the thesis, and compare the sequences of events with those that it prints
+    Figures {
+        /// What chance follows
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+    },
+    /// List what can go wrong
+    Faults,
+}
+
+#[derive(Args)]
+struct Play {
+    /// What chance follows
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// What goes wrong: see `soccer faults`
+    #[arg(long)]
+    fault: Option<Fault>,
+    /// Answer violations of this property alone, as if no other were watched
+    #[arg(long, value_name = "PROPERTY")]
+    only: Option<String>,
+    /// Write what the robot's program said, as NDJSON for `lapwing check soccer.rv FILE`
+    #[arg(long, value_name = "FILE.ndjson")]
+    record: Option<PathBuf>,
+    /// Write a page that shows the match
+    #[arg(long, value_name = "FILE.html")]
+    page: Option<PathBuf>,
+    /// Tell it as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+fn main() -> ExitCode {
+    let done = match Cli::parse().command {
+        Command::Play(options) => play(&options),
+        Command::Figures { seed } => figures(seed),
+        Command::Faults => {
+            let lines: Vec<String> = Fault::ALL.iter().map(|f| format!("{:<24}{}", f.name(), f.what())).collect();
+            print(&(lines.join("\n") + "\n"))
+        }
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(why) => {
+            eprintln!("soccer: {why}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn play(options: &Play) -> Result<(), String> {
+    let game = Game { seed: options.seed, fault: options.fault, only: options.only.clone() };
+    let spec = spec().map_err(|e| e.to_string())?;
+    if let Some(only) =
+        game.only.as_deref().filter(|only| spec.alone().spec.properties.iter().all(|p| p.name != **only))
+    {
+        return Err(format!("soccer.rv has no property `{only}`"));
+    }
+    let played = game.play().map_err(|e| e.to_string())?;
+    let write =
+        |path: &PathBuf, text: String| std::fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()));
+    if let Some(path) = &options.record {
+        write(path, watch::ndjson(&played.log, &spec.alone().spec))?;
+    }
+    if let Some(path) = &options.page {
+        write(path, page::html(&played.account).map_err(|e| e.to_string())?)?;
+    }
+    match options.json {
+        true => print(&(serde_json::to_string(&played.account).map_err(|e| e.to_string())? + "\n")),
+        false => print(&figures::told(&played.account)),
+    }
+}
+
+fn figures(seed: u64) -> Result<(), String> {
+    let spec = spec().map_err(|e| e.to_string())?;
+    let me = std::env::current_exe().map_err(|e| e.to_string())?;
+    let compared = figures::compare(&spec.alone().spec, &Player::new(me, seed))?;
+    print(&figures::tables(&compared))
+}
+
+/// Who reads may stop reading.
+fn print(text: &str) -> Result<(), String> {
+    match std::io::stdout().write_all(text.as_bytes()) {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(e.to_string()),
+        _ => Ok(()),
+    }
+}
