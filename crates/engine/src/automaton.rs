@@ -1,17 +1,19 @@
-//! The operators of some positions as a finite automaton: what a change of the signals does to all of them, looked up instead of computed.
+//! The operators of some positions as a finite automaton: what a change of the signals does to all of them, looked up instead of
+//! computed.
 //!
-//! For `and`, `iff`, and `once` and `since` whose bounds begin where they stand, what follows from the signals depends on a few bits: which operators hold, and of which bounded ones the operand held at the position before. How long ago
-//! it held matters at one moment only, when the bound runs out; stamps are kept beside, as the clocks of a timed automaton are (Alur
-//! and Dill, 1994). So a move is found by the situation, by the signals that change (the letter), and by the bounds that have run out; those
-//! without the latter are kept once they were made, as regular expressions build their automata while they match.
+//! For `and`, `iff`, and `once` and `since` whose bounds begin where they stand, what follows from the signals depends on a few bits:
+//! which operators hold, and of which bounded ones the operand held at the position before. How long ago it held matters at one moment
+//! only, when the bound runs out; stamps are kept beside, as the clocks of a timed automaton are (Alur and Dill, 1994). So a move is
+//! found by the situation, by the signals that change (the letter), and by the bounds that have run out; those without the latter are
+//! kept once they were made, as regular expressions build their automata while they match.
 //!
 //! The automaton holds nothing that the registers and memories do not say as well: it can be dropped at any time, is not saved, and
 //! finds its place again.
 
 use alloc::vec::Vec;
 
-use crate::past::{Memory, NEVER};
-use crate::program::{Alphabet, Bit, Op};
+use crate::past::{Memory, NEVER, is_within, runs_out};
+use crate::program::{Alphabet, Bit, Op, bits};
 
 /// So many situations are kept at most, and so many moves; what has more of them is computed wherever one is missing.
 const SITUATIONS: usize = 64;
@@ -49,13 +51,6 @@ pub(crate) struct Move {
     breaks: u64,
     /// The situation that it leads to; none for a move that was not made yet, and where there is no room for another situation.
     pub to: Option<u32>,
-}
-
-impl Alphabet {
-    /// The letter of the leaves that change.
-    pub fn letter(&self, changed: u64) -> u32 {
-        bits(changed & self.leaves).fold(0, |letter, leaf| letter | u32::from(self.places[leaf]))
-    }
 }
 
 const BLANK: Move = Move { word: 0, begins: 0, ends: 0, breaks: 0, to: None };
@@ -121,11 +116,12 @@ impl Automaton {
 impl Situation {
     /// What follows where the letters' registers are as in `letters`, and the bounds of those in `over` have run out.
     fn follow(&self, alphabet: &Alphabet, ops: &[Op], letters: u64, over: u64) -> Move {
-        let mut made = Move { word: letters & alphabet.leaves, ..BLANK };
+        let mut made = BLANK;
         for (i, op) in ops.iter().enumerate() {
             let me = 1 << i;
             let get = |bit: Bit, made: &Move| bit.in_word(made.word);
             let holds = match op {
+                _ if alphabet.places[i] != 0 => letters & me != 0,
                 Op::And(a, b) => get(*a, &made) & get(*b, &made),
                 Op::Iff(a, b) => get(*a, &made) == get(*b, &made),
                 Op::OnceWithin(_, of) => self.lasts(me, (true, get(*of, &made)), over, &mut made),
@@ -168,7 +164,7 @@ impl Move {
             if let Memory::Latest { holds, stamp } = &mut memories[i] {
                 (*holds, *stamp) = (false, before);
                 if self.word & (1 << i) != 0 {
-                    *alarm = (*alarm).min(runs_out(&ops[i], before));
+                    *alarm = (*alarm).min(runs_out(before, most(&ops[i])));
                 }
             }
         }
@@ -204,32 +200,21 @@ pub(crate) fn expired(
         if since == NEVER {
             continue;
         }
-        let end = runs_out(&ops[i], since);
-        if now >= end {
+        let most = most(&ops[i]);
+        if !is_within(now, since, most) {
             over |= 1 << i;
         } else if !holds {
-            *alarm = (*alarm).min(end);
+            *alarm = (*alarm).min(runs_out(since, most));
         }
     }
     over
 }
 
-/// The first time at which an operand that held at `stamp` is too long ago.
+/// The bound of a bounded operator, in nanoseconds.
 #[inline]
-fn runs_out(op: &Op, stamp: i64) -> i64 {
+fn most(op: &Op) -> i64 {
     match op {
-        Op::OnceWithin(most, _) | Op::SinceWithin(most, ..) => stamp.saturating_add(*most).saturating_add(1),
+        Op::OnceWithin(most, _) | Op::SinceWithin(most, ..) => *most,
         _ => i64::MAX,
     }
-}
-
-/// The numbers of the bits that are set.
-#[inline]
-pub(crate) fn bits(mut of: u64) -> impl Iterator<Item = usize> {
-    core::iter::from_fn(move || {
-        let next = of.trailing_zeros() as usize;
-        let is = of != 0;
-        of &= of.wrapping_sub(1);
-        is.then_some(next)
-    })
 }

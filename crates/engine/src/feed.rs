@@ -14,6 +14,7 @@ use crate::program::Program;
 /// Everything that a run of a [`Program`] knows. A clone is a snapshot: it goes on as the original would have.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct State {
+    /// The stretch of trace since time began or jumped.
     pub(crate) piece: Piece,
     /// What the pieces before the latest jump came to.
     before: Option<Vec<Outcome>>,
@@ -109,11 +110,6 @@ impl State {
     /// When something happens though nothing comes: a live caller feeds a sample without content once its clock has passed it.
     pub fn next_deadline(&mut self, program: &Program) -> Option<Time> {
         Some(self.piece.next_by_itself(program)).filter(|&at| at != i64::MAX).map(Time)
-    }
-
-    /// The stretch of trace since time began or jumped.
-    pub(crate) fn piece(&self) -> &Piece {
-        &self.piece
     }
 
     /// The latest of everything.

@@ -19,6 +19,16 @@ use crate::times::{Pos, Times};
 use crate::tracker::{TrackerState, is_obliged};
 use crate::walk::Walk;
 
+/// An instant that all share.
+#[derive(Clone, Copy)]
+pub(crate) struct When {
+    pub now: i64,
+    /// How many there were before it.
+    pub number: u64,
+    /// The stamp of the one before.
+    pub before: i64,
+}
+
 /// One instance of a group.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Core {
@@ -35,7 +45,7 @@ pub(crate) struct Core {
     /// Whether positions at which nothing is due need only be counted from now on.
     rests: bool,
     /// How many instants have been looked at, or made up for.
-    stepped: u64,
+    pub stepped: u64,
     /// The number of faults that have spoilt what stands on them.
     spoilt_by: usize,
     /// More runs were open than allowed.
@@ -82,25 +92,23 @@ impl Core {
         if self.rests { self.walk.quiet_until() } else { NOW }
     }
 
-    /// How many instants have been looked at, or made up for.
-    pub fn stepped(&self) -> u64 {
-        self.stepped
-    }
-
     /// Counts the instants that were not looked at, of `instants` in all until now, the last at `last`: at each of them the verdicts were
     /// what they are.
-    #[inline]
     pub fn catch_up(&mut self, plan: &Group, instants: u64, last: i64) {
-        if plan.rests && instants > self.stepped {
-            self.make_up_for(plan, instants - self.stepped, last, self.walk.word());
+        if plan.rests {
+            self.make_up_until(plan, instants, last, self.walk.word());
         }
         self.stepped = instants;
     }
 
-    #[inline(never)]
-    fn make_up_for(&mut self, plan: &Group, positions: u64, last: i64, word: u64) {
+    /// Counts the instants before the one with that number that were not looked at; at each of them the registers' `word` held.
+    fn make_up_until(&mut self, plan: &Group, number: u64, last: i64, word: u64) {
+        let missed = number.saturating_sub(self.stepped);
+        if missed == 0 {
+            return;
+        }
         let from = self.positions;
-        self.positions += positions;
+        self.positions += missed;
         for (state, tracker) in self.trackers.iter_mut().zip(&plan.trackers) {
             if let (Judged::State(formula), At::All) = (tracker.formula, tracker.at) {
                 state.judge_rest(formula.in_word(word), (from, self.positions - 1), last);
@@ -108,51 +116,39 @@ impl Core {
         }
     }
 
-    /// The instant after `instants` others, the last of them at `last`: a position, if it is one for this group. Gives what
-    /// [`Core::rests_until`] says then.
+    /// An instant: a position, if it is one for this group. Gives what [`Core::rests_until`] says then.
     #[inline(always)]
     pub fn step(
         &mut self,
         plan: &Group,
         inputs: &Inputs,
         due: Due,
-        when: (i64, u64, i64),
+        when: When,
         limit: usize,
         tell: &mut impl Observer,
     ) -> i64 {
-        let (now, instants, last) = when;
         // PERF: the way of most properties of robots, and of nearly all of their instants, without what only others need.
-        if self.rests
-            && let Some(alphabet) = plan.alphabet()
-            && let Some(changed) = self.walk.glide(&plan.at, alphabet, due.letter, now, last)
+        if !self.rests {
+            self.stepped = when.number + 1;
+            self.step_any(plan, inputs, due.ops, when.now, limit, tell);
+        } else if let Some(alphabet) = plan.alphabet()
+            && let Some(changed) = self.walk.glide(&plan.at, alphabet, due.letter, when.now, when.before)
         {
             if changed & plan.verdicts != 0 {
                 let word = self.walk.word() ^ changed;
                 self.turn(plan, inputs, when, word, tell);
             }
-            return self.walk.alarm();
-        }
-        if self.rests {
-            self.step_resting(plan, inputs, due.ops, when, tell);
         } else {
-            self.stepped = instants + 1;
-            self.step_any(plan, inputs, due.ops, now, limit, tell);
+            self.step_resting(plan, inputs, due.ops, when, tell);
         }
         self.rests_until()
     }
 
     #[inline(never)]
-    fn step_resting(
-        &mut self,
-        plan: &Group,
-        inputs: &Inputs,
-        due: u64,
-        when: (i64, u64, i64),
-        tell: &mut impl Observer,
-    ) {
+    fn step_resting(&mut self, plan: &Group, inputs: &Inputs, due: u64, when: When, tell: &mut impl Observer) {
         let word = self.walk.word();
-        self.walk.last = Some(when.2);
-        self.walk.run(here(plan, inputs, when.0, &[]), due);
+        self.walk.last = Some(when.before);
+        self.walk.run(here(plan, inputs, when.now, &[]), due);
         let is_same = (word ^ self.walk.word()) & plan.verdicts == 0;
         if !is_same || self.spoilt_by != self.walk.faults.len() {
             self.turn(plan, inputs, when, word, tell);
@@ -161,21 +157,12 @@ impl Core {
 
     /// A position at which a verdict changes; until it the registers' `word` held.
     #[inline(never)]
-    fn turn(
-        &mut self,
-        plan: &Group,
-        inputs: &Inputs,
-        (now, instants, last): (i64, u64, i64),
-        word: u64,
-        tell: &mut impl Observer,
-    ) {
-        if instants > self.stepped {
-            self.make_up_for(plan, instants - self.stepped, last, word);
-        }
-        self.stepped = instants + 1;
+    fn turn(&mut self, plan: &Group, inputs: &Inputs, when: When, word: u64, tell: &mut impl Observer) {
+        self.make_up_until(plan, when.number, when.before, word);
+        self.stepped = when.number + 1;
         self.positions += 1;
         self.spoil(plan);
-        self.judge(plan, inputs, now, tell);
+        self.judge(plan, inputs, when.now, tell);
     }
 
     #[inline(never)]

@@ -215,12 +215,23 @@ fn recent(
         *stamp = now;
         return true;
     }
-    // No stamp is later than now, so that the distance fits.
-    let is = (*stamp != NEVER) & (now.wrapping_sub(*stamp).cast_unsigned() <= most.cast_unsigned());
+    let is = (*stamp != NEVER) & is_within(now, *stamp, most);
     if is {
-        *alarm = (*alarm).min(stamp.saturating_add(most).saturating_add(1));
+        *alarm = (*alarm).min(runs_out(*stamp, most));
     }
     is
+}
+
+/// Whether a stamp, which is not later than `now`, lies at most so far back; [`i64::MAX`] is no bound. The distance fits without a sign.
+#[inline]
+pub(crate) fn is_within(now: i64, stamp: i64, most: i64) -> bool {
+    (now.wrapping_sub(stamp).cast_unsigned() <= most.cast_unsigned()) | (most == i64::MAX)
+}
+
+/// Before this time a stamp lies at most so far back; from then on that has to be looked at.
+#[inline]
+pub(crate) fn runs_out(stamp: i64, most: i64) -> i64 {
+    stamp.saturating_add(most).saturating_add(1)
 }
 
 /// The operators without a memory.

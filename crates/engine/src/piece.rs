@@ -6,7 +6,7 @@ use lapwing_stream::{Sample, Time, Value, What};
 use serde::{Deserialize, Serialize};
 
 use crate::feed::Ending;
-use crate::group::Core;
+use crate::group::{Core, When};
 use crate::inputs::Inputs;
 use crate::instances::Instances;
 use crate::machine::MachineMemory;
@@ -250,7 +250,7 @@ impl Piece {
             calm_until = NOW;
         }
         self.inputs.woken = false;
-        let when = (now, self.instants, self.last_instant);
+        let when = When { now, number: self.instants, before: self.last_instant };
         for (number, (instances, plan)) in self.groups.iter_mut().zip(&program.groups).enumerate() {
             let due = core::mem::take(&mut self.inputs.due[number]);
             for core in &mut instances.cores {

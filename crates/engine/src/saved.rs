@@ -11,7 +11,7 @@ use crate::feed::State;
 use crate::program::Program;
 
 /// What the bytes begin with; its last byte is the version of the format.
-const MARK: [u8; 8] = *b"lapwing\x01";
+const MARK: [u8; 8] = *b"lapwing\x02";
 
 /// Why a state cannot be resumed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

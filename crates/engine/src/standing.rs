@@ -20,7 +20,7 @@ pub struct Standing {
 impl State {
     /// How things stand of a property now.
     pub fn standing(&self, program: &Program, property: usize) -> Standing {
-        self.piece().standing(program, property)
+        self.piece.standing(program, property)
     }
 }
 
@@ -48,7 +48,7 @@ impl Piece {
 impl Core {
     /// A group that rests counts what fails meanwhile only when it wakes: here that is made up for without waking it.
     fn standing(&self, plan: &Group, property: usize, instants: u64) -> Standing {
-        let rested = if plan.rests { instants.saturating_sub(self.stepped()) } else { 0 };
+        let rested = if plan.rests { instants.saturating_sub(self.stepped) } else { 0 };
         let trackers = plan.trackers.iter().zip(&self.trackers).filter(|(tracker, _)| tracker.property == property);
         let mut standing = Standing { started: self.walk.started, ..Standing::default() };
         for (tracker, state) in trackers {

@@ -7,11 +7,11 @@ use alloc::vec::Vec;
 
 use serde::{Deserialize, Serialize};
 
-use crate::automaton::{Automaton, bits, expired};
+use crate::automaton::{Automaton, expired};
 use crate::inputs::Inputs;
 use crate::node::{Notes, View};
 use crate::past::{self, Here, Memory, NOW, Registers, Scene};
-use crate::program::{Alphabet, Positions, Wiring};
+use crate::program::{Alphabet, Positions, Wiring, bits};
 
 /// Where a machine or a group stands in its positions.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -115,7 +115,7 @@ impl Walk {
     // PERF: the signals of most logical formulas are truth values, and most of their moves have been made before.
     #[inline(always)]
     pub fn glide(&mut self, at: &Positions, alphabet: &Alphabet, letter: u32, now: i64, before: i64) -> Option<u64> {
-        if self.again != 0 || now.wrapping_sub(before) > alphabet.shortest {
+        if self.again != 0 || !past::is_within(now, before, alphabet.shortest) {
             return None;
         }
         let Walk { automaton, memories, alarm, .. } = self;
@@ -219,12 +219,6 @@ impl Walk {
     #[inline]
     pub fn word(&self) -> u64 {
         self.registers.bits[0]
-    }
-
-    /// The first time at which a bound may run out.
-    #[inline]
-    pub fn alarm(&self) -> i64 {
-        self.alarm
     }
 
     /// Before when nothing is due as long as no signal changes.

@@ -1,17 +1,12 @@
-//! What happens when more obligations are open than a program allows.
+//! What happens when more obligations are open than a program allows, and where time itself ends.
 
-use lapwing_check::{TraceShape, check, compile::compile, load};
-use lapwing_diag::SourceMap;
+mod support;
+
 use lapwing_engine::{Ending, Outcome, Program, State};
 use lapwing_stream::{Sample, Time, Value, Verdict, What};
 
 fn program(text: &str, open_limit: usize) -> Program {
-    let mut sources = SourceMap::default();
-    let file = sources.add("limits.rv", text);
-    let loaded = load(&mut sources, lapwing_syntax::parse(file, text).file, &|_| None);
-    let columns = vec!["p".to_owned(), "q".to_owned()];
-    let shape = TraceShape { columns, schemaless: true, ..TraceShape::default() };
-    Program { open_limit, ..compile(&check(&sources, &loaded, Some(&shape)).spec) }
+    Program { open_limit, ..support::program(text, &["p", "q"]) }
 }
 
 /// p every other second, q never but where `q` says; so every promise of a q is a run of its own.
@@ -31,4 +26,35 @@ fn too_many_open_runs_make_a_property_inconclusive() {
     let few = outcome(&program(text, 10), |_| false);
     assert_eq!(few.verdict, Verdict::Inconclusive);
     assert_eq!(few.cause.as_deref(), Some("more than 10 runs of obligations were open at once"));
+}
+
+/// What comes of a formula over p and q at these nanoseconds.
+fn verdict(text: &str, rows: &[(i64, bool, bool)]) -> Verdict {
+    let program = program(text, 1000);
+    let mut state = State::new(&program);
+    for &(at, p, q) in rows {
+        let cells = [Value::Bool(p), Value::Bool(q)];
+        state.feed(&program, Sample { time: Time(at), what: What::Row { cells: &cells } }, &mut ());
+    }
+    state.finish(&program, &Ending::default(), &mut ()).remove(0).verdict
+}
+
+#[test]
+fn a_past_without_a_bound_reaches_from_the_end_of_time_to_its_beginning() {
+    let rows = [(i64::MIN + 1, false, true), (0, false, false), (i64::MAX, true, false)];
+    assert_eq!(verdict("p implies once q\n", &rows), Verdict::Holds);
+    assert_eq!(verdict("p implies (not p since q)\n", &rows), Verdict::Violated);
+}
+
+#[test]
+fn a_bound_runs_out_over_a_silence_longer_than_half_of_time() {
+    // The same move has been made before, after a silence that was short.
+    let rows = [
+        (i64::MIN + 1, false, true),
+        (i64::MIN + 2, true, false),
+        (i64::MIN + 3, false, true),
+        (i64::MAX, true, false),
+    ];
+    assert_eq!(verdict("p implies once within 1 s q\n", &rows[..3]), Verdict::Holds);
+    assert_eq!(verdict("p implies once within 1 s q\n", &rows), Verdict::Violated);
 }

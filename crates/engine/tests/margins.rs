@@ -1,21 +1,14 @@
 //! Margins: only where they are asked for, without an influence on anything else, within their memory, and over pieces of a trace.
 
-use lapwing_check::compile::compile;
-use lapwing_check::{TraceShape, check, load};
-use lapwing_diag::SourceMap;
+mod support;
+
 use lapwing_engine::{Ending, Outcome, Program, State};
 use lapwing_stream::{Sample, Time, Value, What};
 
 const MS: i64 = 1_000_000;
 
 fn program(text: &str) -> Program {
-    let mut sources = SourceMap::default();
-    let file = sources.add("margins.rv", text.to_owned());
-    let loaded = load(&mut sources, lapwing_syntax::parse(file, text).file, &|_| None);
-    let shape = TraceShape { columns: vec!["x".into()], schemaless: true, ..TraceShape::default() };
-    let checked = check(&sources, &loaded, Some(&shape));
-    assert!(!checked.has_errors(), "{text}: {:?}", checked.diagnostics);
-    compile(&checked.spec)
+    support::program(text, &["x"])
 }
 
 /// The outcomes on rows of x.

@@ -1,18 +1,13 @@
 //! A saved state goes on as the original would have, and only for its own program. That it does so at every instant of every case is held by
 //! the literate tests and by the comparison with the reference, which save and resume before every sample.
 
-use lapwing_check::{TraceShape, check, compile::compile, load};
-use lapwing_diag::SourceMap;
+mod support;
+
 use lapwing_engine::{Ending, NotResumed, Program, State};
 use lapwing_stream::{Sample, Time, Value, Verdict, What};
 
 fn program(text: &str) -> Program {
-    let mut sources = SourceMap::default();
-    let file = sources.add("saved.rv", text);
-    let loaded = load(&mut sources, lapwing_syntax::parse(file, text).file, &|_| None);
-    let columns = vec!["p".to_owned(), "q".to_owned()];
-    let shape = TraceShape { columns, schemaless: true, ..TraceShape::default() };
-    compile(&check(&sources, &loaded, Some(&shape)).spec)
+    support::program(text, &["p", "q"])
 }
 
 fn feed(state: &mut State, program: &Program, seconds: i64, p: bool) {

@@ -1,17 +1,12 @@
 //! How a property stands while the trace goes on: what a guard asks before it lets a message pass.
 
-use lapwing_check::{TraceShape, check, compile::compile, load};
-use lapwing_diag::SourceMap;
+mod support;
+
 use lapwing_engine::{Program, State};
 use lapwing_stream::{Sample, Time, Value, What};
 
 fn program(text: &str) -> Program {
-    let mut sources = SourceMap::default();
-    let file = sources.add("standing.rv", text);
-    let loaded = load(&mut sources, lapwing_syntax::parse(file, text).file, &|_| None);
-    let columns = vec!["p".to_owned(), "q".to_owned()];
-    let shape = TraceShape { columns, schemaless: true, ..TraceShape::default() };
-    compile(&check(&sources, &loaded, Some(&shape)).spec)
+    support::program(text, &["p", "q"])
 }
 
 /// The failures so far after each row of p and q, one a second.

@@ -2,8 +2,6 @@
 
 use alloc::vec::Vec;
 
-use crate::automaton::bits;
-
 use super::{At, Group, Judged, Node, NodeId, Op, Positions, Program, Tracker};
 
 /// So many operators have a bit each. Where there are more, all of them run at every position.
@@ -28,9 +26,7 @@ pub struct Wiring {
 /// where they stand.
 #[derive(Clone, Debug, Default)]
 pub struct Alphabet {
-    /// The operators that read signals, as bits.
-    pub leaves: u64,
-    /// For each operator its bit in a letter, zero for those that are no leaves.
+    /// For each operator its bit in a letter, zero for those that do not read signals.
     pub places: Vec<u8>,
     /// How many leaves there are: a letter has a bit for each.
     pub width: usize,
@@ -38,6 +34,24 @@ pub struct Alphabet {
     pub timed: u64,
     /// The shortest of their bounds: between positions that lie no further apart none runs out unheard.
     pub shortest: i64,
+}
+
+impl Alphabet {
+    /// The letter of the leaves among these operators.
+    pub fn letter(&self, operators: u64) -> u32 {
+        bits(operators).fold(0, |letter, i| letter | u32::from(self.places[i]))
+    }
+}
+
+/// The numbers of the bits that are set.
+#[inline]
+pub(crate) fn bits(mut of: u64) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(move || {
+        let next = of.trailing_zeros() as usize;
+        let is = of != 0;
+        of &= of.wrapping_sub(1);
+        is.then_some(next)
+    })
 }
 
 /// More leaves make too many letters.
@@ -149,7 +163,7 @@ fn alphabet(at: &Positions, wiring: &Wiring) -> Option<Alphabet> {
         return None;
     }
     let places = alloc::vec![0; at.ops.len()];
-    let mut alphabet = Alphabet { leaves: wiring.leaves, width, shortest: i64::MAX, places, timed: 0 };
+    let mut alphabet = Alphabet { width, shortest: i64::MAX, places, timed: wiring.timed };
     let mut next = 1;
     for (i, op) in at.ops.iter().enumerate() {
         match op {
@@ -159,7 +173,6 @@ fn alphabet(at: &Positions, wiring: &Wiring) -> Option<Alphabet> {
             }
             Op::And(..) | Op::Iff(..) => {}
             Op::OnceWithin(most, _) | Op::SinceWithin(most, ..) => {
-                alphabet.timed |= 1 << i;
                 alphabet.shortest = alphabet.shortest.min(*most);
             }
             _ => return None,
