@@ -91,8 +91,6 @@ pub struct Offer {
     pub stream: StreamId,
     /// Topic, type, definition and decoding. A recording of the run declares the channel with it.
     pub channel: RawChannel,
-    /// Who publishes it, where that is known: `/turtlebot/driver`.
-    pub node: Option<String>,
     /// Whether the last message is handed to those who come late (ROS 1: latched; ROS 2: transient local).
     pub latched: bool,
 }

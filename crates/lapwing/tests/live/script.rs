@@ -52,20 +52,20 @@ impl Script {
     /// Somebody publishes a topic of that type.
     pub fn offers_type(self, seconds: f64, stream: u32, topic: &str, type_name: &str, definition: &str) -> Script {
         let channel = channel(topic, type_name, definition);
-        self.add(seconds, Happening::Stream(Offer { stream: StreamId(stream), channel, node: None, latched: false }))
+        self.add(seconds, Happening::Stream(Offer { stream: StreamId(stream), channel, latched: false }))
     }
 
     /// Somebody publishes a topic of numbers and hands the last one to those who come late.
     pub fn offers_latched(self, seconds: f64, stream: u32, topic: &str) -> Script {
         let channel = channel(topic, "std_msgs/Float64", "float64 data\n");
-        self.add(seconds, Happening::Stream(Offer { stream: StreamId(stream), channel, node: None, latched: true }))
+        self.add(seconds, Happening::Stream(Offer { stream: StreamId(stream), channel, latched: true }))
     }
 
     /// Somebody publishes a topic that nobody has subscribed to, so that its definition is not known.
     pub fn mentions(self, seconds: f64, stream: u32, topic: &str) -> Script {
         let ty = Err("not subscribed to".to_owned());
         let channel = RawChannel { definition: Vec::new(), ty, ..channel(topic, "std_msgs/Float64", "float64 data\n") };
-        self.add(seconds, Happening::Stream(Offer { stream: StreamId(stream), channel, node: None, latched: false }))
+        self.add(seconds, Happening::Stream(Offer { stream: StreamId(stream), channel, latched: false }))
     }
 
     /// A number.

@@ -184,8 +184,8 @@ impl Graph {
             if let Some(note) = contradiction(&state, topic, &offered) {
                 self.note(note);
             }
-            let Offered { channel, node, latched, .. } = offered;
-            self.inbox.push(Happening::Stream(Offer { stream, channel, node, latched }));
+            let Offered { channel, latched, .. } = offered;
+            self.inbox.push(Happening::Stream(Offer { stream, channel, latched }));
             if let Some((_, known)) = state.streams.iter_mut().find(|(id, _)| *id == stream) {
                 known.told = known.told.or(Some(1));
             }
@@ -204,17 +204,11 @@ impl Graph {
             nodes.iter().filter(|node| *node != me).collect::<Vec<_>>()
         };
         for (topic, type_name) in types.iter().filter(|(topic, _)| !topics.contains_key(*topic)) {
-            let nodes = others(topic);
-            if let Some(node) = nodes.first()
+            if !others(topic).is_empty()
                 && let (stream, true) = streams.rumoured(topic, type_name)
             {
-                let node = Some((*node).clone());
-                self.inbox.push(Happening::Stream(Offer {
-                    stream,
-                    channel: rumour(topic, type_name),
-                    node,
-                    latched: false,
-                }));
+                let channel = rumour(topic, type_name);
+                self.inbox.push(Happening::Stream(Offer { stream, channel, latched: false }));
                 streams.iter_mut().filter(|(id, _)| *id == stream).for_each(|(_, known)| known.told = Some(1));
             }
         }

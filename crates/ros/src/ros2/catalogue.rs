@@ -33,8 +33,6 @@ pub struct Publisher {
     pub hash: Option<TypeHash>,
     /// How it is read, or why it cannot be.
     pub reading: Result<Reading, String>,
-    /// The node that it belongs to, where that is known yet.
-    pub node: Option<String>,
 }
 
 /// What became of the search for a definition.
@@ -149,9 +147,7 @@ impl Catalogue {
     }
 
     fn come(&mut self, now: Instant, publisher: Publisher) -> Option<Happening> {
-        if let Some(known) = self.publishers.get_mut(&publisher.gid).filter(|k| k.left.is_none()) {
-            // Which node it is of comes later than the publisher.
-            known.publisher.node = known.publisher.node.take().or(publisher.node);
+        if self.publishers.get(&publisher.gid).is_some_and(|k| k.left.is_none()) {
             return None;
         }
         let wish = self.wishes.get_mut(&publisher.topic);
@@ -210,11 +206,9 @@ impl Catalogue {
             Search::Missing(_, why) => undefined(topic, type_name, why.clone()),
             _ => undefined(topic, type_name, "nobody subscribed to it yet".to_owned()),
         };
-        let publishers: Vec<&Publisher> =
-            stream.publishers.iter().filter_map(|gid| self.publishers.get(gid)).map(|k| &k.publisher).collect();
-        let latched = publishers.iter().any(|p| p.reading.as_ref().is_ok_and(|r| r.is_kept));
-        let node = publishers.iter().find_map(|p| p.node.clone());
-        Some(Happening::Stream(Offer { stream: id(at), channel, node, latched }))
+        let mut publishers = stream.publishers.iter().filter_map(|gid| self.publishers.get(gid));
+        let latched = publishers.any(|k| k.publisher.reading.as_ref().is_ok_and(|r| r.is_kept));
+        Some(Happening::Stream(Offer { stream: id(at), channel, latched }))
     }
 
     /// The streams whose definition has to be looked for now.
@@ -355,7 +349,7 @@ mod tests {
 
     fn publisher(k: u8) -> Publisher {
         let (topic, type_name) = (ODOM.to_owned(), TYPE.to_owned());
-        Publisher { gid: [k; 16], topic, type_name, hash: None, reading: Ok(BEST), node: Some(format!("/n{k}")) }
+        Publisher { gid: [k; 16], topic, type_name, hash: None, reading: Ok(BEST) }
     }
 
     fn found() -> Arc<Defined> {

@@ -281,7 +281,6 @@ impl Worker {
             type_name: name::type_name(&writer.type_name),
             hash: TypeHash::announced(&writer.user_data),
             reading: readable(gid).and_then(|()| Reading::of(&writer.qos)),
-            node: self.graph.owner(&gid).map(str::to_owned),
         })
     }
 
