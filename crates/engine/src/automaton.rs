@@ -12,21 +12,30 @@
 
 use alloc::vec::Vec;
 
-use crate::past::{Memory, NEVER, is_within, runs_out};
+use crate::latest::{Latest, NEVER};
 use crate::program::{Alphabet, Bit, Op, bits};
 
 /// So many situations are kept at most, and so many moves; what has more of them is computed wherever one is missing.
 const SITUATIONS: usize = 64;
 const MOVES: usize = 2048;
 
+/// The place of a situation that is not known.
+const NOWHERE: u32 = u32::MAX;
+
 /// Which moves are known, and where it stands.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Automaton {
     situations: Vec<Situation>,
     /// By situation, then by letter.
     moves: Vec<Move>,
-    /// The number of the situation in which it stands, where that is known.
-    place: Option<u32>,
+    /// Where the moves of the situation in which it stands begin, [`NOWHERE`] where that is not known.
+    place: u32,
+}
+
+impl Default for Automaton {
+    fn default() -> Automaton {
+        Automaton { situations: Vec::new(), moves: Vec::new(), place: NOWHERE }
+    }
 }
 
 /// All that tells apart what follows: a bit for each operator.
@@ -43,61 +52,66 @@ struct Situation {
 pub(crate) struct Move {
     /// The operators that hold then.
     pub word: u64,
-    /// Bounded ones whose operand begins to hold.
-    begins: u64,
+    /// Bounded ones whose operand holds then.
+    holding: u64,
     /// Those whose operand held at the position before for the last time.
     ends: u64,
     /// Those that lose what has been.
     breaks: u64,
-    /// The situation that it leads to; none for a move that was not made yet, and where there is no room for another situation.
-    pub to: Option<u32>,
+    /// The place of the situation that it leads to; [`NOWHERE`] for a move that was not made yet, and where there is no room for another
+    /// situation.
+    to: u32,
 }
 
-const BLANK: Move = Move { word: 0, begins: 0, ends: 0, breaks: 0, to: None };
+const BLANK: Move = Move { word: 0, holding: 0, ends: 0, breaks: 0, to: NOWHERE };
 
 impl Automaton {
-    /// The move where the leaves in `letter` change, if it is known; no bound may have run out.
+    /// The number of the move where the leaves in `letter` change, if it is known; no bound may have run out.
     #[inline]
-    pub fn known(&self, alphabet: &Alphabet, letter: u32) -> Option<&Move> {
-        let at = ((self.place? as usize) << alphabet.width) + letter as usize;
-        self.moves.get(at).filter(|known| known.to.is_some())
+    pub fn known(&self, letter: u32) -> Option<usize> {
+        // A place is a multiple of the number of letters; what is nowhere, or no letter, is beyond all moves.
+        let at = (self.place | letter) as usize;
+        self.moves.get(at).filter(|known| known.to != NOWHERE).map(|_| at)
     }
 
-    /// Stands in a situation to which a move led.
+    /// Makes a move that is known.
     #[inline]
-    pub fn stand(&mut self, place: Option<u32>) {
-        self.place = place;
+    pub fn follow(&mut self, known: usize) -> Option<&Move> {
+        let made = self.moves.get(known)?;
+        self.place = made.to;
+        Some(made)
     }
 
-    /// A move that is not known, or that a bound may have to do with.
+    /// Makes a move that is not known, or that a bound may have to do with.
     #[inline(never)]
     pub fn make(
         &mut self,
         alphabet: &Alphabet,
         ops: &[Op],
-        memories: &[Memory],
+        latest: &Latest,
         (old, word): (u64, u64),
         over: u64,
     ) -> Move {
-        let from = Situation { word: old, holding: holding(alphabet, memories) };
+        let from = Situation { word: old, holding: latest.holding[0] };
         let place = self.place(alphabet, from);
         let mut made = from.follow(alphabet, ops, word, over);
-        let to = Situation { word: made.word, holding: (from.holding | made.begins) & !(made.ends | made.breaks) };
-        made.to = self.place(alphabet, to).map(|to| to as u32);
+        let to = Situation { word: made.word, holding: made.holding };
+        made.to = self.place(alphabet, to).map_or(NOWHERE, |to| to as u32);
         // Where nothing has run out the move is the same the next time.
         if over == 0
             && let Some(place) = place
-            && let Some(kept) = self.moves.get_mut((place << alphabet.width) + alphabet.letter(old ^ word) as usize)
+            && let Some(kept) = self.moves.get_mut(place + alphabet.letter(old ^ word) as usize)
         {
             *kept = made;
         }
+        self.place = made.to;
         made
     }
 
-    /// The number of a situation; a new one as long as there is room.
+    /// Where the moves of a situation begin; a new one as long as there is room.
     fn place(&mut self, alphabet: &Alphabet, of: Situation) -> Option<usize> {
         let known = self.situations.iter().position(|known| *known == of);
-        known.or_else(|| {
+        known.map(|number| number << alphabet.width).or_else(|| {
             let letters = 1 << alphabet.width;
             let room = SITUATIONS.min(MOVES / letters);
             if self.situations.len() == room {
@@ -108,7 +122,7 @@ impl Automaton {
             self.moves.reserve(room * letters - self.moves.len());
             self.situations.push(of);
             self.moves.resize(self.situations.len() * letters, BLANK);
-            Some(self.situations.len() - 1)
+            Some((self.situations.len() - 1) << alphabet.width)
         })
     }
 }
@@ -139,7 +153,7 @@ impl Situation {
     fn lasts(&self, me: u64, (goes_on, of): (bool, bool), over: u64, made: &mut Move) -> bool {
         let (was, held) = (self.word & me != 0, self.holding & me != 0);
         if of {
-            made.begins |= me & !self.holding;
+            made.holding |= me;
             return true;
         }
         if !goes_on {
@@ -152,69 +166,39 @@ impl Situation {
 }
 
 impl Move {
-    /// What the memories have to know of it.
-    #[inline]
-    pub fn leave_marks(&self, ops: &[Op], memories: &mut [Memory], before: i64, alarm: &mut i64) {
-        for i in bits(self.begins) {
-            if let Memory::Latest { holds, .. } = &mut memories[i] {
-                *holds = true;
-            }
-        }
+    /// What has to be remembered of it.
+    #[inline(always)]
+    pub fn leave_marks(&self, alphabet: &Alphabet, latest: &mut Latest, before: i64, alarm: &mut i64) {
+        latest.holding[0] = self.holding;
         for i in bits(self.ends) {
-            if let Memory::Latest { holds, stamp } = &mut memories[i] {
-                (*holds, *stamp) = (false, before);
-                if self.word & (1 << i) != 0 {
-                    *alarm = (*alarm).min(runs_out(before, most(&ops[i])));
-                }
+            latest.stamps[i] = before;
+            if self.word & (1 << i) != 0 {
+                *alarm = (*alarm).min(before.saturating_add_unsigned(alphabet.over[i]));
             }
         }
         for i in bits(self.breaks) {
-            if let Memory::Latest { holds, stamp } = &mut memories[i] {
-                (*holds, *stamp) = (false, NEVER);
-            }
+            latest.stamps[i] = NEVER;
         }
     }
 }
 
-/// The bounded operators whose operand held at the position before.
-fn holding(alphabet: &Alphabet, memories: &[Memory]) -> u64 {
-    let holds = |i: &usize| matches!(memories[*i], Memory::Latest { holds: true, .. });
-    bits(alphabet.timed).filter(holds).fold(0, |all, i| all | (1 << i))
-}
-
-/// The bounded operators of which too much time has passed since their operand held. Sets `alarm` to when the next of the others runs
+/// The bounded operators of which too much time has passed since their operand held. And when the next of the others runs
 /// out.
 #[inline(never)]
-pub(crate) fn expired(
-    alphabet: &Alphabet,
-    ops: &[Op],
-    memories: &[Memory],
-    (now, before): (i64, i64),
-    alarm: &mut i64,
-) -> u64 {
-    *alarm = i64::MAX;
-    let mut over = 0;
+pub(crate) fn expired(alphabet: &Alphabet, latest: &Latest, (now, before): (i64, i64)) -> (u64, i64) {
+    let (mut over, mut alarm) = (0, i64::MAX);
     for i in bits(alphabet.timed) {
-        let Memory::Latest { stamp, holds } = memories[i] else { continue };
-        let since = if holds { before } else { stamp };
+        let holds = latest.holding[0] & (1 << i) != 0;
+        let since = if holds { before } else { latest.stamps[i] };
         if since == NEVER {
             continue;
         }
-        let most = most(&ops[i]);
-        if !is_within(now, since, most) {
+        // A distance fits without a sign.
+        if now.wrapping_sub(since).cast_unsigned() >= alphabet.over[i] {
             over |= 1 << i;
         } else if !holds {
-            *alarm = (*alarm).min(runs_out(since, most));
+            alarm = alarm.min(since.saturating_add_unsigned(alphabet.over[i]));
         }
     }
-    over
-}
-
-/// The bound of a bounded operator, in nanoseconds.
-#[inline]
-fn most(op: &Op) -> i64 {
-    match op {
-        Op::OnceWithin(most, _) | Op::SinceWithin(most, ..) => *most,
-        _ => i64::MAX,
-    }
+    (over, alarm)
 }

@@ -13,7 +13,7 @@ use crate::margin::Margins;
 use crate::node::View;
 use crate::outcome::{Observer, Output};
 use crate::past::{Here, NOW, once};
-use crate::program::{At, Bound, Group, Judged, Look, LookKind};
+use crate::program::{Alphabet, At, Bound, Group, Judged, Look, LookKind};
 use crate::runs::Runs;
 use crate::times::{Pos, Times};
 use crate::tracker::{TrackerState, is_obliged};
@@ -116,7 +116,7 @@ impl Core {
         }
     }
 
-    /// An instant: a position, if it is one for this group. Gives what [`Core::rests_until`] says then.
+    /// An instant: a position, if it is one for this group.
     #[inline(always)]
     pub fn step(
         &mut self,
@@ -126,22 +126,41 @@ impl Core {
         when: When,
         limit: usize,
         tell: &mut impl Observer,
-    ) -> i64 {
-        // PERF: the way of most properties of robots, and of nearly all of their instants, without what only others need.
+    ) {
         if !self.rests {
             self.stepped = when.number + 1;
             self.step_any(plan, inputs, due.ops, when.now, limit, tell);
         } else if let Some(alphabet) = plan.alphabet()
-            && let Some(changed) = self.walk.glide(&plan.at, alphabet, due.letter, when.now, when.before)
+            && let Some(known) = self.known_move(alphabet, due.letter, when)
         {
-            if changed & plan.verdicts != 0 {
-                let word = self.walk.word() ^ changed;
-                self.turn(plan, inputs, when, word, tell);
-            }
+            self.follow((plan, alphabet), inputs, known, when, tell);
         } else {
             self.step_resting(plan, inputs, due.ops, when, tell);
         }
-        self.rests_until()
+    }
+
+    /// For a group that rests: the number of the automaton's move for an instant, where all that it takes is one that is known.
+    // PERF: the way of most properties of robots, and of nearly all of their instants, without what only others need.
+    #[inline(always)]
+    pub fn known_move(&mut self, alphabet: &Alphabet, letter: u32, when: When) -> Option<usize> {
+        if self.rests { self.walk.known_move(alphabet, letter, when.now, when.before) } else { None }
+    }
+
+    /// An instant at which the automaton makes that move. Gives what [`Core::rests_until`] says then.
+    #[inline(always)]
+    pub fn follow(
+        &mut self,
+        (plan, alphabet): (&Group, &Alphabet),
+        inputs: &Inputs,
+        known: usize,
+        when: When,
+        tell: &mut impl Observer,
+    ) -> i64 {
+        let (old, word) = self.walk.follow(alphabet, known, when.before);
+        if (old ^ word) & plan.verdicts != 0 {
+            self.turn(plan, inputs, when, old, tell);
+        }
+        self.walk.quiet_until()
     }
 
     #[inline(never)]

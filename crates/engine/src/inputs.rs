@@ -7,6 +7,7 @@ use lapwing_stream::{Time, Value};
 use serde::{Deserialize, Serialize};
 
 use crate::program::{Column, Program, Read, Wake};
+use crate::skim::Row;
 
 /// The latest of everything.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -19,6 +20,9 @@ pub struct Inputs {
     pub(crate) due: Vec<Due>,
     /// Whether there may be any.
     pub(crate) woken: bool,
+    /// The latest row, where all that fills signals is rows of truth values.
+    #[serde(skip)]
+    pub(crate) row: Row,
     /// Whether this instant has events or messages, which end with it.
     stirred: bool,
     pub(crate) topics: Vec<TopicState>,
@@ -92,6 +96,7 @@ impl Inputs {
             versions: alloc::vec![0; if program.counts_values() { program.slots.len() } else { 0 }],
             due: alloc::vec![Due::default(); program.groups.len()],
             woken: false,
+            row: Row::default(),
             stirred: false,
             topics: alloc::vec![TopicState::default(); program.topics.len()],
             events: alloc::vec![EventState::default(); program.events.len()],
@@ -106,7 +111,9 @@ impl Inputs {
         let (Some(to), Some(plan)) = (self.slots.get_mut(slot), program.slots.get(slot)) else { return };
         if !is_latest(to, value) {
             self.woken = true;
-            change(to, value, &mut self.due, &plan.wakes);
+            self.row = Row::default();
+            let letters = replace(to, value);
+            wake(&mut self.due, &plan.wakes, letters);
         }
         if let Some(version) = self.versions.get_mut(slot)
             && !matches!(value, Value::Missing)
@@ -124,7 +131,8 @@ impl Inputs {
                 && !is_latest(to, value)
             {
                 self.woken = true;
-                change(to, value, &mut self.due, &column.wakes);
+                let letters = replace(to, value);
+                wake(&mut self.due, &column.wakes, letters);
             }
         }
         if !self.versions.is_empty() {
@@ -160,6 +168,13 @@ impl Inputs {
             state.add(fields);
             self.stirred = true;
         }
+    }
+
+    /// The only group has taken in what changed.
+    #[inline]
+    pub(crate) fn settle(&mut self) {
+        self.woken = false;
+        self.due.fill(Due::default());
     }
 
     /// The instant is over: its events are, too.
@@ -209,25 +224,29 @@ impl Inputs {
     }
 }
 
-/// Stores another value, and makes due what reads it.
+/// Stores another value. Gives zero where a truth value toggled, and [`Wake::NO_LETTER`] else.
 #[inline]
-fn change(to: &mut Value, value: &Value, due: &mut [Due], wakes: &[Wake]) {
-    let toggles = match (&mut *to, value) {
+fn replace(to: &mut Value, value: &Value) -> u32 {
+    match (&mut *to, value) {
         (Value::Bool(to), Value::Bool(from)) => {
             *to = *from;
-            true
+            0
         }
         (to, from) => {
             to.clone_from(from);
-            false
+            Wake::NO_LETTER
         }
-    };
+    }
+}
+
+/// Makes due what reads a signal that changed.
+#[inline]
+fn wake(due: &mut [Due], wakes: &[Wake], letters: u32) {
     for wake in wakes {
         let due = &mut due[wake.group];
         due.ops |= wake.ops;
         // What toggled twice is where it was; what has no letter stays so.
-        let has_letter = toggles && wake.letter != Wake::NO_LETTER;
-        due.letter = if has_letter { due.letter ^ wake.letter } else { Wake::NO_LETTER };
+        due.letter = (due.letter ^ wake.letter) | ((wake.letter | letters) & Wake::NO_LETTER);
     }
 }
 
@@ -235,10 +254,9 @@ fn change(to: &mut Value, value: &Value, due: &mut [Due], wakes: &[Wake]) {
 // PERF: scalars of the same kind first, for they are nearly all there is.
 #[inline]
 fn is_latest(there: &Value, value: &Value) -> bool {
-    match value {
-        Value::Bool(value) => matches!(there, Value::Bool(there) if there == value),
-        Value::Num(value) => matches!(there, Value::Num(there) if there.to_bits() == value.to_bits()),
-        Value::Missing => true,
-        _ => false,
+    match (there, value) {
+        (Value::Bool(there), Value::Bool(value)) => there == value,
+        (Value::Num(there), Value::Num(value)) => there.to_bits() == value.to_bits(),
+        (_, value) => matches!(value, Value::Missing),
     }
 }

@@ -21,6 +21,14 @@ pub(crate) struct Instances {
     pub(crate) too_many: bool,
 }
 
+/// The only instance of the only group, where that is all there is.
+#[inline]
+pub(crate) fn only<'a>(plans: &'a [Group], groups: &'a mut [Instances]) -> Option<(&'a Group, &'a mut Core)> {
+    let ([plan], [Instances { cores, .. }]) = (plans, groups) else { return None };
+    let [core] = &mut cores[..] else { return None };
+    Some((plan, core))
+}
+
 impl Instances {
     pub fn new(plan: &Group, inputs: &Inputs, counters: usize) -> Instances {
         let seen = if plan.at.slices.is_empty() { alloc::vec![0] } else { Vec::new() };

@@ -8,6 +8,7 @@ use lapwing_stream::Value;
 use serde::{Deserialize, Serialize};
 
 use crate::inputs::Inputs;
+use crate::latest::Latest;
 use crate::node::{Notes, View};
 use crate::program::{Bit, Bound, NodeId, Op, Positions, Window};
 
@@ -32,11 +33,6 @@ pub(crate) enum Memory {
         pending: VecDeque<i64>,
         reached: Option<i64>,
     },
-    /// The latest stamp at which the operand held, [`NEVER`] for none. While it still `holds` that is the position before.
-    Latest {
-        stamp: i64,
-        holds: bool,
-    },
     /// The stamp at which the operand began to hold without a break, and the last at which it did not.
     Since {
         since: Option<i64>,
@@ -47,9 +43,6 @@ pub(crate) enum Memory {
     /// The stamps in a window at which the operand held.
     Stamps(VecDeque<i64>),
 }
-
-/// No stamp.
-pub(crate) const NEVER: i64 = i64::MIN;
 
 /// When an operator is due again that is due at the very next position. [`i64::MAX`] stands for an operator that only its operands make
 /// due.
@@ -63,10 +56,11 @@ impl Memory {
             Op::Delta(_) | Op::Rate(_) => Memory::Before { value: None, stamp: None },
             Op::Previously(_) | Op::Becomes(_) => Memory::Last(false),
             Op::Once(..) | Op::Since(..) => Memory::Held { pending: VecDeque::new(), reached: None },
-            Op::OnceWithin(..) | Op::SinceWithin(..) => Memory::Latest { stamp: NEVER, holds: false },
             Op::Held(..) => Memory::Since { since: None, broken: None },
             Op::Window(..) => Memory::Window(VecDeque::new()),
             Op::Count(..) => Memory::Stamps(VecDeque::new()),
+            // Those whose bounds begin where they stand have theirs in `Latest`.
+            Op::OnceWithin(..) | Op::SinceWithin(..) => Memory::None,
             Op::Slot { .. } | Op::Holds(_) | Op::And(..) | Op::Iff(..) => Memory::None,
         }
     }
@@ -174,64 +168,25 @@ pub(crate) fn set(bits: &mut [u64], i: usize, bit: bool) {
 // PERF: without a scene, which would have to be put together for each.
 #[inline]
 pub(crate) fn quick(
-    op: &Op,
-    memory: &mut Memory,
+    (i, op): (usize, &Op),
+    latest: &mut Latest,
     slots: &[Value],
     times: (i64, Option<i64>),
     alarm: &mut i64,
     get: impl Fn(Bit) -> bool,
 ) -> Option<bool> {
-    match (op, memory) {
-        (Op::Slot { slot, .. }, _) if let Value::Bool(is) = slots[*slot] => Some(is),
-        (Op::And(a, b), _) => Some(get(*a) & get(*b)),
-        (Op::OnceWithin(most, of), Memory::Latest { stamp, holds }) => {
-            Some(recent(times, get(*of), *most, stamp, holds, alarm))
-        }
-        (Op::SinceWithin(most, left, right), Memory::Latest { stamp, holds }) => {
+    match op {
+        Op::Slot { slot, .. } if let Value::Bool(is) = slots[*slot] => Some(is),
+        Op::And(a, b) => Some(get(*a) & get(*b)),
+        Op::OnceWithin(most, of) => Some(latest.note(i, get(*of), times, *most, alarm)),
+        Op::SinceWithin(most, left, right) => {
             if !get(*left) {
-                (*stamp, *holds) = (NEVER, false);
+                latest.forget(i);
             }
-            Some(recent(times, get(*right), *most, stamp, holds, alarm))
+            Some(latest.note(i, get(*right), times, *most, alarm))
         }
         _ => None,
     }
-}
-
-/// Whether the operand holds, or did at most so long ago.
-#[inline]
-fn recent(
-    (now, before): (i64, Option<i64>),
-    of: bool,
-    most: i64,
-    stamp: &mut i64,
-    holds: &mut bool,
-    alarm: &mut i64,
-) -> bool {
-    if *holds && let Some(before) = before {
-        *stamp = before;
-    }
-    *holds = of;
-    if of {
-        *stamp = now;
-        return true;
-    }
-    let is = (*stamp != NEVER) & is_within(now, *stamp, most);
-    if is {
-        *alarm = (*alarm).min(runs_out(*stamp, most));
-    }
-    is
-}
-
-/// Whether a stamp, which is not later than `now`, lies at most so far back; [`i64::MAX`] is no bound. The distance fits without a sign.
-#[inline]
-pub(crate) fn is_within(now: i64, stamp: i64, most: i64) -> bool {
-    (now.wrapping_sub(stamp).cast_unsigned() <= most.cast_unsigned()) | (most == i64::MAX)
-}
-
-/// Before this time a stamp lies at most so far back; from then on that has to be looked at.
-#[inline]
-pub(crate) fn runs_out(stamp: i64, most: i64) -> i64 {
-    stamp.saturating_add(most).saturating_add(1)
 }
 
 /// The operators without a memory.
@@ -251,7 +206,7 @@ fn now(op: &Op, scene: &Scene<'_>, bits: &[u64], values: &[Value]) -> bool {
 /// Returns its truth value, and when it is due although no operand changes: see [`NOW`].
 pub(crate) fn step(
     i: usize,
-    memory: &mut Memory,
+    (memory, latest): (&mut Memory, &mut Latest),
     scene: &Scene<'_>,
     bits: &[u64],
     values: &mut [Value],
@@ -259,7 +214,7 @@ pub(crate) fn step(
     let Here { at, inputs, now: stamp, .. } = scene.here;
     let op = &at.ops[i];
     let mut alarm = i64::MAX;
-    if let Some(known) = quick(op, memory, &inputs.slots, (stamp, scene.before), &mut alarm, |of| of.of(bits)) {
+    if let Some(known) = quick((i, op), latest, &inputs.slots, (stamp, scene.before), &mut alarm, |of| of.of(bits)) {
         return (known, alarm);
     }
     match (op, memory) {
@@ -325,7 +280,7 @@ fn held(duration: i64, scene: &Scene<'_>, since: &mut Option<i64>, broken: &mut 
         scene.here.now
     });
     // A position with the very stamp at which the window begins lies inside it.
-    let unbroken = broken.map_or(NEVER, |stamp| stamp.saturating_add(1));
+    let unbroken = broken.map_or(i64::MIN, |stamp| stamp.saturating_add(1));
     let from = since.max(unbroken).saturating_add(duration);
     if scene.here.now >= from { (true, i64::MAX) } else { (false, from) }
 }

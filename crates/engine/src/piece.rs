@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::feed::Ending;
 use crate::group::{Core, When};
 use crate::inputs::Inputs;
-use crate::instances::Instances;
+use crate::instances::{Instances, only};
 use crate::machine::MachineMemory;
 use crate::outcome::{Observer, Outcome, Output};
 use crate::past::NOW;
@@ -31,7 +31,7 @@ pub(crate) struct Piece {
     pub(crate) newest: i64,
     pub(crate) last: Option<i64>,
     /// The last instant that all share, [`i64::MIN`] before the first.
-    last_instant: i64,
+    pub(crate) last_instant: i64,
     /// The next instant of a rate.
     pub(crate) tick: u64,
     pub(crate) instants: u64,
@@ -40,7 +40,7 @@ pub(crate) struct Piece {
     /// Whether anything ever does.
     is_timed: bool,
     /// Before this time all groups rest, as long as nothing wakes one.
-    calm_until: i64,
+    pub(crate) calm_until: i64,
     /// Per property: which of its silences was too long, from when to when.
     pub(crate) stale: Vec<Option<(usize, i64, i64)>>,
     /// Whether a property minds the silence of a signal that comes in rows, and when each slot last got a value.
@@ -121,6 +121,11 @@ impl Piece {
     #[inline]
     pub(crate) fn take(&mut self, program: &Program, sample: Sample<'_>, tell: &mut impl Observer) {
         let now = sample.time.0;
+        if let What::Row { cells } = sample.what
+            && self.skim(program, now, cells, tell)
+        {
+            return;
+        }
         self.newest = now;
         self.last = Some(now);
         if !matches!(sample.what, What::Other) {
@@ -232,13 +237,26 @@ impl Piece {
     #[inline]
     fn instant(&mut self, program: &Program, now: i64, tell: &mut impl Observer) {
         // PERF: most instants of most recordings change nothing that matters; where all rest they cost no more than this.
-        if self.inputs.woken || now >= self.calm_until {
+        if (self.inputs.woken || now >= self.calm_until) && !self.glide(program, now, tell) {
             self.step(program, now, tell);
         }
         self.instants += 1;
         self.last_instant = now;
         tell.output(&self.inputs, Output::Instant(Time(now)));
         self.inputs.end_instant();
+    }
+
+    /// An instant of the only group of a program without machines, where it takes one move. Returns whether that was so.
+    #[inline]
+    fn glide(&mut self, program: &Program, now: i64, tell: &mut impl Observer) -> bool {
+        let ([], [due]) = (&self.machines[..], &self.inputs.due[..]) else { return false };
+        let Some((plan, core)) = only(&program.groups, &mut self.groups) else { return false };
+        let when = When { now, number: self.instants, before: self.last_instant };
+        let Some(alphabet) = plan.alphabet() else { return false };
+        let Some(known) = core.known_move(alphabet, due.letter, when) else { return false };
+        self.calm_until = core.follow((plan, alphabet), &self.inputs, known, when, tell);
+        self.inputs.settle();
+        true
     }
 
     /// The machines and the groups take an instant in, but for those that rest.
@@ -254,11 +272,10 @@ impl Piece {
         for (number, (instances, plan)) in self.groups.iter_mut().zip(&program.groups).enumerate() {
             let due = core::mem::take(&mut self.inputs.due[number]);
             for core in &mut instances.cores {
-                let mut rests_until = core.rests_until();
-                if due.ops != 0 || now >= rests_until {
-                    rests_until = core.step(plan, &self.inputs, due, when, program.open_limit, tell);
+                if due.ops != 0 || now >= core.rests_until() {
+                    core.step(plan, &self.inputs, due, when, program.open_limit, tell);
                 }
-                calm_until = calm_until.min(rests_until);
+                calm_until = calm_until.min(core.rests_until());
             }
         }
         self.calm_until = calm_until;

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::automaton::{Automaton, expired};
 use crate::inputs::Inputs;
+use crate::latest::Latest;
 use crate::node::{Notes, View};
 use crate::past::{self, Here, Memory, NOW, Registers, Scene};
 use crate::program::{Alphabet, Positions, Wiring, bits};
@@ -23,6 +24,7 @@ pub(crate) struct Walk {
     /// What the code has computed.
     pub registers: Registers,
     memories: Vec<Memory>,
+    latest: Latest,
     /// The stamp of the latest position.
     pub last: Option<i64>,
     /// The operators that are due at the next position, whatever comes.
@@ -63,6 +65,7 @@ impl Walk {
             waited: alloc::vec![0; at.reads.len()],
             registers: Registers::new(at.ops.len()),
             memories: at.ops.iter().map(Memory::new).collect(),
+            latest: Latest::new(at.ops.len()),
             last: None,
             again: 0,
             alarm: i64::MAX,
@@ -108,26 +111,36 @@ impl Walk {
         self.last = Some(here.now);
     }
 
-    /// Takes a position in by a move of the automaton that is known. Gives the registers that change, or nothing where there is more to do;
-    /// then nothing has changed.
+    /// The number of the automaton's move for a position, where it is known and there is nothing else to do.
     ///
     /// The position before is the instant before, at `before`.
     // PERF: the signals of most logical formulas are truth values, and most of their moves have been made before.
     #[inline(always)]
-    pub fn glide(&mut self, at: &Positions, alphabet: &Alphabet, letter: u32, now: i64, before: i64) -> Option<u64> {
-        if self.again != 0 || !past::is_within(now, before, alphabet.shortest) {
+    pub fn known_move(&mut self, alphabet: &Alphabet, letter: u32, now: i64, before: i64) -> Option<usize> {
+        if self.again != 0 || now.wrapping_sub(before).cast_unsigned() > alphabet.shortest {
             return None;
         }
-        let Walk { automaton, memories, alarm, .. } = self;
-        if now >= *alarm && expired(alphabet, &at.ops, memories, (now, before), alarm) != 0 {
-            return None;
+        if now >= self.alarm {
+            let (over, next) = expired(alphabet, &self.latest, (now, before));
+            if over != 0 {
+                return None;
+            }
+            self.alarm = next;
         }
-        let made = automaton.known(alphabet, letter)?;
-        made.leave_marks(&at.ops, memories, before, alarm);
-        let (word, to) = (made.word, made.to);
-        automaton.stand(to);
-        let old = core::mem::replace(&mut self.registers.bits[0], word);
-        Some(old ^ word)
+        self.automaton.known(letter)
+    }
+
+    /// Makes a move that is known. Gives the word of all registers before it and after.
+    #[inline(always)]
+    pub fn follow(&mut self, alphabet: &Alphabet, known: usize, before: i64) -> (u64, u64) {
+        let Walk { automaton, latest, alarm, registers, .. } = self;
+        let word = &mut registers.bits[0];
+        let old = *word;
+        if let Some(made) = automaton.follow(known) {
+            *word = made.word;
+            made.leave_marks(alphabet, latest, before, alarm);
+        }
+        (old, *word)
     }
 
     /// Runs what is due. All truth values are in one word.
@@ -154,13 +167,13 @@ impl Walk {
     /// What the automaton makes of a position at which the leaves are as in `leaves`, the registers having been `old`.
     #[inline(never)]
     fn go(&mut self, here: Here<'_>, alphabet: &Alphabet, before: i64, (old, leaves): (u64, u64)) -> u64 {
-        let Walk { automaton, memories, alarm, .. } = self;
-        let ops = &here.at.ops[..];
-        let over = expired(alphabet, ops, memories, (here.now, before), alarm);
-        let known = automaton.known(alphabet, alphabet.letter(old ^ leaves)).filter(|_| over == 0).copied();
-        let made = known.unwrap_or_else(|| automaton.make(alphabet, ops, memories, (old, leaves), over));
-        made.leave_marks(ops, memories, before, alarm);
-        automaton.stand(made.to);
+        let Walk { automaton, latest, alarm, .. } = self;
+        let (over, next) = expired(alphabet, latest, (here.now, before));
+        *alarm = next;
+        let known = automaton.known(alphabet.letter(old ^ leaves)).filter(|_| over == 0);
+        let known = known.and_then(|known| automaton.follow(known)).copied();
+        let made = known.unwrap_or_else(|| automaton.make(alphabet, &here.at.ops, latest, (old, leaves), over));
+        made.leave_marks(alphabet, latest, before, alarm);
         made.word
     }
 
@@ -172,7 +185,7 @@ impl Walk {
         while due != 0 {
             let i = due.trailing_zeros() as usize;
             due &= due - 1;
-            let quick = past::quick(&ops[i], &mut self.memories[i], slots, times, &mut alarm, |of| of.in_word(word));
+            let quick = past::quick((i, &ops[i]), &mut self.latest, slots, times, &mut alarm, |of| of.in_word(word));
             let bit = quick.unwrap_or_else(|| {
                 let (bit, next) = self.step(i, word, here);
                 self.again |= u64::from(next == NOW) << i;
@@ -192,7 +205,8 @@ impl Walk {
     #[inline(never)]
     fn step(&mut self, i: usize, word: u64, here: Here<'_>) -> (bool, i64) {
         let scene = Scene { here, before: self.last, notes: &self.notes };
-        let stepped = past::step(i, &mut self.memories[i], &scene, &[word], &mut self.registers.values);
+        let memories = (&mut self.memories[i], &mut self.latest);
+        let stepped = past::step(i, memories, &scene, &[word], &mut self.registers.values);
         note_fault(&self.notes, &mut self.faults, i);
         stepped
     }
@@ -200,12 +214,12 @@ impl Walk {
     /// Runs everything: at position 0, and where there is more than can be kept account of.
     #[inline(never)]
     fn run_all(&mut self, here: Here<'_>) {
-        let Walk { registers, memories, notes, again, alarm, faults, .. } = self;
+        let Walk { registers, memories, latest, notes, again, alarm, faults, .. } = self;
         let Registers { bits, values } = registers;
         let scene = Scene { here, before: self.last, notes };
         (*again, *alarm) = (0, i64::MAX);
         for (i, memory) in memories.iter_mut().enumerate() {
-            let (bit, next) = past::step(i, memory, &scene, bits, values);
+            let (bit, next) = past::step(i, (memory, latest), &scene, bits, values);
             past::set(bits, i, bit);
             note_fault(notes, faults, i);
             match next {

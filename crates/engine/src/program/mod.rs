@@ -36,6 +36,9 @@ pub struct Program {
     pub topics: Vec<Topic>,
     /// Which cell of a row fills which slot.
     pub columns: Vec<Column>,
+    /// For each column the letter that it makes, where all of the program is one automaton over rows of truth values; else there are none.
+    /// [`Program::link`] fills it.
+    pub letters: Vec<u32>,
     /// The objects of the ground truth.
     pub objects: Vec<Object>,
     /// The events.

@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::{At, Group, Judged, Node, NodeId, Op, Positions, Program, Tracker};
+use super::{At, Clock, Column, Group, Judged, Node, NodeId, Op, Positions, Program, Tracker};
 
 /// So many operators have a bit each. Where there are more, all of them run at every position.
 const BITS: usize = u64::BITS as usize;
@@ -32,8 +32,10 @@ pub struct Alphabet {
     pub width: usize,
     /// The bounded operators, as bits.
     pub timed: u64,
-    /// The shortest of their bounds: between positions that lie no further apart none runs out unheard.
-    pub shortest: i64,
+    /// For each operator the distance at which its bound has run out, in nanoseconds; [`u64::MAX`] for never.
+    pub over: Vec<u64>,
+    /// The shortest of the bounds: between positions that lie no further apart none runs out unheard.
+    pub shortest: u64,
 }
 
 impl Alphabet {
@@ -45,13 +47,25 @@ impl Alphabet {
 
 /// The numbers of the bits that are set.
 #[inline]
-pub(crate) fn bits(mut of: u64) -> impl Iterator<Item = usize> {
-    core::iter::from_fn(move || {
-        let next = of.trailing_zeros() as usize;
-        let is = of != 0;
-        of &= of.wrapping_sub(1);
-        is.then_some(next)
-    })
+pub(crate) fn bits(of: u64) -> Bits {
+    Bits(of)
+}
+
+/// Yields the numbers of the bits that are set.
+pub(crate) struct Bits(u64);
+
+impl Iterator for Bits {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        if self.0 == 0 {
+            return None;
+        }
+        let next = self.0.trailing_zeros() as usize;
+        self.0 &= self.0 - 1;
+        Some(next)
+    }
 }
 
 /// More leaves make too many letters.
@@ -93,6 +107,26 @@ impl Program {
         for column in &mut self.columns {
             column.wakes = self.slots.get(column.slot).map(|slot| slot.wakes.clone()).unwrap_or_default();
         }
+        self.letters = self.letters().unwrap_or_default();
+    }
+
+    /// The letters of the columns, where each toggles bits of one automaton's letters and nothing else.
+    fn letters(&self) -> Option<Vec<u32>> {
+        let [group] = &self.groups[..] else { return None };
+        let waits = self.clock != Clock::Events || self.timeout.is_some() || !self.machines.is_empty();
+        let minds = self.counts_values() || self.properties.iter().any(|property| !property.stale.is_empty());
+        if waits || minds || !group.rests || group.alphabet().is_none() || self.columns.len() > BITS {
+            return None;
+        }
+        let mut slots: Vec<usize> = self.columns.iter().map(|column| column.slot).collect();
+        slots.sort_unstable();
+        slots.dedup();
+        let letter = |column: &Column| match &column.wakes[..] {
+            [] => Some(0),
+            [wake] => Some(wake.letter).filter(|letter| *letter != Wake::NO_LETTER),
+            _ => None,
+        };
+        if slots.len() == self.columns.len() { self.columns.iter().map(letter).collect() } else { None }
     }
 
     /// Whether something asks how often a signal got a value.
@@ -163,7 +197,8 @@ fn alphabet(at: &Positions, wiring: &Wiring) -> Option<Alphabet> {
         return None;
     }
     let places = alloc::vec![0; at.ops.len()];
-    let mut alphabet = Alphabet { width, shortest: i64::MAX, places, timed: wiring.timed };
+    let over = alloc::vec![u64::MAX; at.ops.len()];
+    let mut alphabet = Alphabet { width, shortest: u64::MAX, places, over, timed: wiring.timed };
     let mut next = 1;
     for (i, op) in at.ops.iter().enumerate() {
         match op {
@@ -173,7 +208,10 @@ fn alphabet(at: &Positions, wiring: &Wiring) -> Option<Alphabet> {
             }
             Op::And(..) | Op::Iff(..) => {}
             Op::OnceWithin(most, _) | Op::SinceWithin(most, ..) => {
-                alphabet.shortest = alphabet.shortest.min(*most);
+                if *most != i64::MAX {
+                    alphabet.over[i] = most.cast_unsigned() + 1;
+                    alphabet.shortest = alphabet.shortest.min(most.cast_unsigned());
+                }
             }
             _ => return None,
         }
