@@ -264,7 +264,7 @@ impl<'a> View<'a> {
     }
 
     /// The same as [`View::occurrence`], where it can be told.
-    fn occurs(&self, event: usize) -> Option<&'a [Value]> {
+    pub fn occurs(&self, event: usize) -> Option<&'a [Value]> {
         match self.inputs.events.get(event) {
             Some(state) if state.is_unclear => self.fault(None),
             _ => self.occurrence(event),

@@ -61,7 +61,7 @@ impl Memory {
             Op::Count(..) => Memory::Stamps(VecDeque::new()),
             // Those whose bounds begin where they stand have theirs in `Latest`.
             Op::OnceWithin(..) | Op::SinceWithin(..) => Memory::None,
-            Op::Slot { .. } | Op::Holds(_) | Op::And(..) | Op::Iff(..) => Memory::None,
+            Op::Slot { .. } | Op::Event(_) | Op::Holds(_) | Op::And(..) | Op::Iff(..) => Memory::None,
         }
     }
 }
@@ -147,7 +147,7 @@ pub(crate) fn look(scene: &Scene<'_>, memories: &mut [Memory], registers: &mut R
 
 fn look_at(i: usize, op: &Op, memory: &mut Memory, scene: &Scene<'_>, bits: &[u64], values: &mut [Value]) -> bool {
     match op {
-        Op::Slot { .. } | Op::Holds(_) | Op::And(..) | Op::Iff(..) => now(op, scene, bits, values),
+        Op::Slot { .. } | Op::Event(_) | Op::Holds(_) | Op::And(..) | Op::Iff(..) => now(op, scene, bits, values),
         Op::Lookback(..) | Op::Delta(_) | Op::Rate(_) | Op::Window(..) | Op::Count(..) => {
             value(i, op, memory, scene, false, bits, values);
             false
@@ -170,13 +170,14 @@ pub(crate) fn set(bits: &mut [u64], i: usize, bit: bool) {
 pub(crate) fn quick(
     (i, op): (usize, &Op),
     latest: &mut Latest,
-    slots: &[Value],
+    inputs: &Inputs,
     times: (i64, Option<i64>),
     alarm: &mut i64,
     get: impl Fn(Bit) -> bool,
 ) -> Option<bool> {
     match op {
-        Op::Slot { slot, .. } if let Value::Bool(is) = slots[*slot] => Some(is),
+        Op::Slot { slot, .. } if let Value::Bool(is) = inputs.slots[*slot] => Some(is),
+        Op::Event(event) if let Some(occurs) = inputs.events[*event].occurs() => Some(occurs),
         Op::And(a, b) => Some(get(*a) & get(*b)),
         Op::OnceWithin(most, of) => Some(latest.note(i, get(*of), times, *most, alarm)),
         Op::SinceWithin(most, left, right) => {
@@ -193,6 +194,7 @@ pub(crate) fn quick(
 fn now(op: &Op, scene: &Scene<'_>, bits: &[u64], values: &[Value]) -> bool {
     match op {
         Op::Slot { slot, truth } => scene.view(bits, values).slot(*slot, *truth),
+        Op::Event(event) => scene.view(bits, values).occurs(*event).is_some(),
         Op::Holds(node) => scene.view(bits, values).holds(*node),
         Op::And(a, b) => a.of(bits) & b.of(bits),
         Op::Iff(a, b) => a.of(bits) == b.of(bits),
@@ -214,7 +216,7 @@ pub(crate) fn step(
     let Here { at, inputs, now: stamp, .. } = scene.here;
     let op = &at.ops[i];
     let mut alarm = i64::MAX;
-    if let Some(known) = quick((i, op), latest, &inputs.slots, (stamp, scene.before), &mut alarm, |of| of.of(bits)) {
+    if let Some(known) = quick((i, op), latest, inputs, (stamp, scene.before), &mut alarm, |of| of.of(bits)) {
         return (known, alarm);
     }
     match (op, memory) {

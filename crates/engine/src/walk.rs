@@ -79,11 +79,7 @@ impl Walk {
     /// Takes an instant in, at which signals that changed made operators due; whether it is a position.
     pub fn enter(&mut self, here: Here<'_>, due: u64) -> bool {
         if let Some(alphabet) = &here.at.alphabet {
-            if alphabet.iter().any(|&e| here.inputs.is_unclear(e)) {
-                self.faults = (0..here.at.ops.len()).collect();
-            }
-            let view = self.view(here);
-            if !alphabet.iter().any(|&e| view.occurrence(e).is_some()) {
+            if !self.occurs(alphabet, here) {
                 return false;
             }
             self.started = true;
@@ -99,6 +95,23 @@ impl Walk {
             self.notes.fault.set(false);
         }
         self.started
+    }
+
+    /// Whether one of these events occurs at this instant.
+    fn occurs(&mut self, events: &[usize], here: Here<'_>) -> bool {
+        let mut occurs = false;
+        for &event in events {
+            occurs |= match here.inputs.events[event].occurs() {
+                Some(occurs) => occurs,
+                None => {
+                    if here.inputs.is_unclear(event) {
+                        self.faults = (0..here.at.ops.len()).collect();
+                    }
+                    self.view(here).occurrence(event).is_some()
+                }
+            };
+        }
+        occurs
     }
 
     /// Runs what is due at a position.
@@ -167,12 +180,13 @@ impl Walk {
     /// What the automaton makes of a position at which the leaves are as in `leaves`, the registers having been `old`.
     #[inline(never)]
     fn go(&mut self, here: Here<'_>, alphabet: &Alphabet, before: i64, (old, leaves): (u64, u64)) -> u64 {
+        if let Some(known) = self.known_move(alphabet, alphabet.letter(old ^ leaves), here.now, before) {
+            return self.follow(alphabet, known, before).1;
+        }
         let Walk { automaton, latest, alarm, .. } = self;
         let (over, next) = expired(alphabet, latest, (here.now, before));
         *alarm = next;
-        let known = automaton.known(alphabet.letter(old ^ leaves)).filter(|_| over == 0);
-        let known = known.and_then(|known| automaton.follow(known)).copied();
-        let made = known.unwrap_or_else(|| automaton.make(alphabet, &here.at.ops, latest, (old, leaves), over));
+        let made = automaton.make(alphabet, &here.at.ops, latest, (old, leaves), over);
         made.leave_marks(alphabet, latest, before, alarm);
         made.word
     }
@@ -180,12 +194,13 @@ impl Walk {
     /// Evaluates operators in their order; `follow` tells which others the change of one makes due. Gives the word of all registers then.
     #[inline(always)]
     fn sweep(&mut self, here: Here<'_>, mut word: u64, mut due: u64, follow: impl Fn(usize) -> u64) -> u64 {
-        let (ops, slots, times) = (&here.at.ops[..], &here.inputs.slots[..], (here.now, self.last));
+        let (ops, times) = (&here.at.ops[..], (here.now, self.last));
         let mut alarm = self.alarm;
         while due != 0 {
             let i = due.trailing_zeros() as usize;
             due &= due - 1;
-            let quick = past::quick((i, &ops[i]), &mut self.latest, slots, times, &mut alarm, |of| of.in_word(word));
+            let quick =
+                past::quick((i, &ops[i]), &mut self.latest, here.inputs, times, &mut alarm, |of| of.in_word(word));
             let bit = quick.unwrap_or_else(|| {
                 let (bit, next) = self.step(i, word, here);
                 self.again |= u64::from(next == NOW) << i;

@@ -105,6 +105,7 @@ impl<'c> Lowering<'c> {
     pub fn formula(&mut self, e: &Expr) -> Bit {
         let op = match &e.kind {
             Kind::Input(slot) => Op::Slot { slot: *slot, truth: false },
+            Kind::Event(event) => Op::Event(*event),
             Kind::Truth(of) => match of.kind {
                 Kind::Input(slot) => Op::Slot { slot, truth: true },
                 _ => Op::Holds(self.expr(e)),

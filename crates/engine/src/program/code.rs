@@ -230,6 +230,8 @@ pub enum Op {
         slot: usize,
         truth: bool,
     },
+    /// Whether an event occurs at this instant.
+    Event(usize),
     /// The truth of an expression.
     Holds(NodeId),
     And(Bit, Bit),

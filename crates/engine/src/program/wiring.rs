@@ -186,7 +186,7 @@ fn wire(at: &Positions) -> Option<Wired> {
 
 /// The operators without a memory that may read signals.
 fn expressions(at: &Positions) -> u64 {
-    let reads = |op: &Op| matches!(op, Op::Slot { .. } | Op::Holds(_));
+    let reads = |op: &Op| matches!(op, Op::Slot { .. } | Op::Event(_) | Op::Holds(_));
     at.ops.iter().enumerate().filter(|(_, op)| reads(op)).fold(0, |all, (i, _)| all | (1 << i))
 }
 
@@ -242,6 +242,8 @@ impl Wired {
                 [a, b].into_iter().for_each(|bit| self.reads(bit.register(), me));
                 self.wiring.timed |= me;
             }
+            // An event is over with its instant.
+            Op::Event(_) => self.wiring.always |= me,
             // They take in every position.
             Op::Count(..) | Op::Lookback(..) | Op::Delta(_) | Op::Rate(_) | Op::Window(..) => self.wiring.always |= me,
         }
