@@ -8,7 +8,7 @@
 //! kept once they were made, as regular expressions build their automata while they match.
 //!
 //! The automaton holds nothing that the registers and memories do not say as well: it can be dropped at any time, is not saved, and
-//! finds its place again.
+//! a walk finds its place again. Instances of the same properties share one.
 
 use alloc::vec::Vec;
 
@@ -19,22 +19,25 @@ use crate::program::{Alphabet, Bit, Op, bits};
 const SITUATIONS: usize = 64;
 const MOVES: usize = 2048;
 
-/// The place of a situation that is not known.
-const NOWHERE: u32 = u32::MAX;
-
-/// Which moves are known, and where it stands.
-#[derive(Clone, Debug)]
+/// Which situations and moves are known.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Automaton {
     situations: Vec<Situation>,
     /// By situation, then by letter.
     moves: Vec<Move>,
-    /// Where the moves of the situation in which it stands begin, [`NOWHERE`] where that is not known.
-    place: u32,
 }
 
-impl Default for Automaton {
-    fn default() -> Automaton {
-        Automaton { situations: Vec::new(), moves: Vec::new(), place: NOWHERE }
+/// Where the moves of a situation begin; [`Place::NOWHERE`] of one that is not known.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct Place(u32);
+
+impl Place {
+    const NOWHERE: Place = Place(u32::MAX);
+}
+
+impl Default for Place {
+    fn default() -> Place {
+        Place::NOWHERE
     }
 }
 
@@ -58,28 +61,25 @@ pub(crate) struct Move {
     ends: u64,
     /// Those that lose what has been.
     breaks: u64,
-    /// The place of the situation that it leads to; [`NOWHERE`] for a move that was not made yet, and where there is no room for another
-    /// situation.
-    to: u32,
+    /// Where it leads to: nowhere for a move that was not made yet, and where there is no room for another situation.
+    pub to: Place,
 }
 
-const BLANK: Move = Move { word: 0, holding: 0, ends: 0, breaks: 0, to: NOWHERE };
+const BLANK: Move = Move { word: 0, holding: 0, ends: 0, breaks: 0, to: Place::NOWHERE };
 
 impl Automaton {
-    /// The number of the move where the leaves in `letter` change, if it is known; no bound may have run out.
+    /// The number of the move from a place where the leaves in `letter` change, if it is known; no bound may have run out.
     #[inline]
-    pub fn known(&self, letter: u32) -> Option<usize> {
+    pub fn known(&self, place: Place, letter: u32) -> Option<usize> {
         // A place is a multiple of the number of letters; what is nowhere, or no letter, is beyond all moves.
-        let at = (self.place | letter) as usize;
-        self.moves.get(at).filter(|known| known.to != NOWHERE).map(|_| at)
+        let at = (place.0 | letter) as usize;
+        self.moves.get(at).filter(|known| known.to != Place::NOWHERE).map(|_| at)
     }
 
-    /// Makes a move that is known.
+    /// A move that is known, by its number.
     #[inline]
-    pub fn follow(&mut self, known: usize) -> Option<&Move> {
-        let made = self.moves.get(known)?;
-        self.place = made.to;
-        Some(made)
+    pub fn get(&self, known: usize) -> Option<&Move> {
+        self.moves.get(known)
     }
 
     /// Makes a move that is not known, or that a bound may have to do with.
@@ -96,7 +96,7 @@ impl Automaton {
         let place = self.place(alphabet, from);
         let mut made = from.follow(alphabet, ops, word, over);
         let to = Situation { word: made.word, holding: made.holding };
-        made.to = self.place(alphabet, to).map_or(NOWHERE, |to| to as u32);
+        made.to = self.place(alphabet, to).map_or(Place::NOWHERE, |to| Place(to as u32));
         // Where nothing has run out the move is the same the next time.
         if over == 0
             && let Some(place) = place
@@ -104,7 +104,6 @@ impl Automaton {
         {
             *kept = made;
         }
-        self.place = made.to;
         made
     }
 

@@ -7,6 +7,7 @@ use alloc::vec::Vec;
 use lapwing_stream::{Time, Value};
 use serde::{Deserialize, Serialize};
 
+use crate::automaton::Automaton;
 use crate::future::{Decided, Graph, Moment, Segment, step_segments};
 use crate::inputs::{Due, Inputs};
 use crate::margin::Margins;
@@ -120,7 +121,7 @@ impl Core {
     #[inline(always)]
     pub fn step(
         &mut self,
-        plan: &Group,
+        (plan, automaton): (&Group, &mut Automaton),
         inputs: &Inputs,
         due: Due,
         when: When,
@@ -129,34 +130,35 @@ impl Core {
     ) {
         if !self.rests {
             self.stepped = when.number + 1;
-            self.step_any(plan, inputs, due.ops, when.now, limit, tell);
+            self.step_any((plan, automaton), inputs, due.ops, when.now, limit, tell);
         } else if let Some(alphabet) = plan.alphabet()
-            && let Some(known) = self.known_move(alphabet, due.letter, when)
+            && let Some(known) = self.known_move((automaton, alphabet), due.letter, when)
         {
-            self.follow((plan, alphabet), inputs, known, when, tell);
+            self.follow(plan, (automaton, alphabet), inputs, known, when, tell);
         } else {
-            self.step_resting(plan, inputs, due.ops, when, tell);
+            self.step_resting((plan, automaton), inputs, due.ops, when, tell);
         }
     }
 
     /// For a group that rests: the number of the automaton's move for an instant, where all that it takes is one that is known.
     // PERF: the way of most properties of robots, and of nearly all of their instants, without what only others need.
     #[inline(always)]
-    pub fn known_move(&mut self, alphabet: &Alphabet, letter: u32, when: When) -> Option<usize> {
-        if self.rests { self.walk.known_move(alphabet, letter, when.now, when.before) } else { None }
+    pub fn known_move(&mut self, moves: (&Automaton, &Alphabet), letter: u32, when: When) -> Option<usize> {
+        if self.rests { self.walk.known_move(moves, letter, when.now, when.before) } else { None }
     }
 
     /// An instant at which the automaton makes that move. Gives what [`Core::rests_until`] says then.
     #[inline(always)]
     pub fn follow(
         &mut self,
-        (plan, alphabet): (&Group, &Alphabet),
+        plan: &Group,
+        moves: (&Automaton, &Alphabet),
         inputs: &Inputs,
         known: usize,
         when: When,
         tell: &mut impl Observer,
     ) -> i64 {
-        let (old, word) = self.walk.follow(alphabet, known, when.before);
+        let (old, word) = self.walk.follow(moves, known, when.before);
         if (old ^ word) & plan.verdicts != 0 {
             self.turn(plan, inputs, when, old, tell);
         }
@@ -164,10 +166,17 @@ impl Core {
     }
 
     #[inline(never)]
-    fn step_resting(&mut self, plan: &Group, inputs: &Inputs, due: u64, when: When, tell: &mut impl Observer) {
+    fn step_resting(
+        &mut self,
+        (plan, automaton): (&Group, &mut Automaton),
+        inputs: &Inputs,
+        due: u64,
+        when: When,
+        tell: &mut impl Observer,
+    ) {
         let word = self.walk.word();
         self.walk.last = Some(when.before);
-        self.walk.run(here(plan, inputs, when.now, &[]), due);
+        self.walk.run(automaton, here(plan, inputs, when.now, &[]), due);
         let is_same = (word ^ self.walk.word()) & plan.verdicts == 0;
         if !is_same || self.spoilt_by != self.walk.faults.len() {
             self.turn(plan, inputs, when, word, tell);
@@ -187,14 +196,14 @@ impl Core {
     #[inline(never)]
     pub fn step_any(
         &mut self,
-        plan: &Group,
+        (plan, automaton): (&Group, &mut Automaton),
         inputs: &Inputs,
         due: u64,
         now: i64,
         limit: usize,
         tell: &mut impl Observer,
     ) {
-        let is_position = self.walk.enter(here(plan, inputs, now, &self.key), due);
+        let is_position = self.walk.enter(automaton, here(plan, inputs, now, &self.key), due);
         self.rests = plan.rests && self.walk.started && self.margins.is_none();
         self.spoil(plan);
         if self.margins.is_some() {

@@ -32,6 +32,7 @@ pub mod feed;
 mod functions;
 mod future;
 mod group;
+mod index;
 pub mod inputs;
 mod instances;
 mod intake;

@@ -7,6 +7,7 @@ use alloc::vec::Vec;
 use lapwing_stream::Time;
 use serde::{Deserialize, Serialize};
 
+use crate::automaton::Automaton;
 use crate::inputs::Inputs;
 use crate::node::View;
 use crate::outcome::{Episode, Observer, Output};
@@ -18,6 +19,8 @@ use crate::walk::Walk;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct MachineMemory {
     pub walk: Walk,
+    #[serde(skip)]
+    automaton: Automaton,
     /// How often each slot had a value at the last sample.
     seen: Vec<u64>,
     /// Since when it is in its state; whether its longest stay has been complained of.
@@ -33,6 +36,7 @@ impl MachineMemory {
     pub fn new(plan: &Machine, inputs: &Inputs, counters: usize) -> MachineMemory {
         MachineMemory {
             walk: Walk::new(&plan.at, inputs, counters),
+            automaton: Automaton::default(),
             seen: alloc::vec![0; inputs.versions.len()],
             since: 0,
             overstayed: false,
@@ -47,7 +51,7 @@ impl MachineMemory {
     pub fn step(&mut self, plan: &Machine, number: usize, inputs: &mut Inputs, now: i64, tell: &mut impl Observer) {
         let was_started = self.walk.started;
         let here = Here { at: &plan.at, inputs, now, params: &[], seen: &self.seen };
-        let is_position = self.walk.enter(here, u64::MAX);
+        let is_position = self.walk.enter(&mut self.automaton, here, u64::MAX);
         if !self.walk.faults.is_empty() {
             return get_lost(plan, number, inputs);
         }

@@ -220,12 +220,14 @@ impl Piece {
             }
         }
         for (number, (instances, plan)) in self.groups.iter_mut().zip(&program.groups).enumerate() {
-            for core in &mut instances.cores {
+            let Instances { cores, automaton, .. } = instances;
+            for core in cores {
                 if core.walk.next_flip(&plan.at, &self.inputs) == Some(at) {
                     core.walk.pass_flips(&plan.at, at);
                     if is_new {
                         core.advance(plan, &self.inputs, at, tell);
-                        core.step_any(plan, &self.inputs, self.inputs.due[number].ops, at, program.open_limit, tell);
+                        let (due, limit) = (self.inputs.due[number].ops, program.open_limit);
+                        core.step_any((plan, automaton), &self.inputs, due, at, limit, tell);
                     }
                 }
             }
@@ -250,11 +252,11 @@ impl Piece {
     #[inline]
     fn glide(&mut self, program: &Program, now: i64, tell: &mut impl Observer) -> bool {
         let ([], [due]) = (&self.machines[..], &self.inputs.due[..]) else { return false };
-        let Some((plan, core)) = only(&program.groups, &mut self.groups) else { return false };
+        let Some((plan, automaton, core)) = only(&program.groups, &mut self.groups) else { return false };
         let when = When { now, number: self.instants, before: self.last_instant };
         let Some(alphabet) = plan.alphabet() else { return false };
-        let Some(known) = core.known_move(alphabet, due.letter, when) else { return false };
-        self.calm_until = core.follow((plan, alphabet), &self.inputs, known, when, tell);
+        let Some(known) = core.known_move((automaton, alphabet), due.letter, when) else { return false };
+        self.calm_until = core.follow(plan, (automaton, alphabet), &self.inputs, known, when, tell);
         self.inputs.settle();
         true
     }
@@ -271,12 +273,12 @@ impl Piece {
         let when = When { now, number: self.instants, before: self.last_instant };
         for (number, (instances, plan)) in self.groups.iter_mut().zip(&program.groups).enumerate() {
             let due = core::mem::take(&mut self.inputs.due[number]);
-            for core in &mut instances.cores {
+            instances.for_each_concerned(&plan.at, &self.inputs, |core, automaton| {
                 if due.ops != 0 || now >= core.rests_until() {
-                    core.step(plan, &self.inputs, due, when, program.open_limit, tell);
+                    core.step((plan, automaton), &self.inputs, due, when, program.open_limit, tell);
                 }
                 calm_until = calm_until.min(core.rests_until());
-            }
+            });
         }
         self.calm_until = calm_until;
     }

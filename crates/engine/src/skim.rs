@@ -39,15 +39,15 @@ impl Piece {
     /// A row in which these columns toggle, or at which a bound may run out.
     #[inline(always)]
     fn skim_change(&mut self, program: &Program, now: i64, changed: u64, tell: &mut impl Observer) -> bool {
-        let Some((plan, core)) = only(&program.groups, &mut self.groups) else { return false };
+        let Some((plan, automaton, core)) = only(&program.groups, &mut self.groups) else { return false };
         let when = When { now, number: self.instants, before: self.last_instant };
         let (Some(alphabet), false) = (plan.alphabet(), self.inputs.woken) else { return false };
         let letter = bits(changed).fold(0, |letter, column| letter ^ program.letters[column]);
-        let Some(known) = core.known_move(alphabet, letter, when) else { return false };
+        let Some(known) = core.known_move((automaton, alphabet), letter, when) else { return false };
         for column in bits(changed) {
             toggle(&mut self.inputs.slots, &program.columns[column]);
         }
-        self.calm_until = core.follow((plan, alphabet), &self.inputs, known, when, tell);
+        self.calm_until = core.follow(plan, (automaton, alphabet), &self.inputs, known, when, tell);
         true
     }
 }

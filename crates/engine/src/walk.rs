@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 
 use serde::{Deserialize, Serialize};
 
-use crate::automaton::{Automaton, expired};
+use crate::automaton::{Automaton, Place, expired};
 use crate::inputs::Inputs;
 use crate::latest::Latest;
 use crate::node::{Notes, View};
@@ -34,9 +34,9 @@ pub(crate) struct Walk {
     pub notes: Notes,
     /// The operators that met a value of another kind than they need: what they say from then on means nothing.
     pub faults: Vec<usize>,
-    /// The operators as an automaton, where they are one.
+    /// Where it stands in the automaton that the operators are, where they are one.
     #[serde(skip)]
-    automaton: Automaton,
+    place: Place,
     /// For each comparison of an age: the message that its flips count from, and the next flip.
     flips: Vec<(Option<i64>, usize)>,
 }
@@ -71,13 +71,13 @@ impl Walk {
             alarm: i64::MAX,
             notes: Notes::new(counters),
             faults: Vec::new(),
-            automaton: Automaton::default(),
+            place: Place::default(),
             flips: alloc::vec![(None, 0); at.ages.len()],
         }
     }
 
     /// Takes an instant in, at which signals that changed made operators due; whether it is a position.
-    pub fn enter(&mut self, here: Here<'_>, due: u64) -> bool {
+    pub fn enter(&mut self, automaton: &mut Automaton, here: Here<'_>, due: u64) -> bool {
         if let Some(alphabet) = &here.at.alphabet {
             if !self.occurs(alphabet, here) {
                 return false;
@@ -87,7 +87,7 @@ impl Walk {
             self.started = self.is_ready(here.at, here.inputs);
         }
         if self.started {
-            self.run(here, due);
+            self.run(automaton, here, due);
         } else {
             let Walk { registers, memories, notes, .. } = self;
             past::look(&Scene { here, before: None, notes }, memories, registers);
@@ -116,9 +116,9 @@ impl Walk {
 
     /// Runs what is due at a position.
     #[inline]
-    pub fn run(&mut self, here: Here<'_>, due: u64) {
+    pub fn run(&mut self, automaton: &mut Automaton, here: Here<'_>, due: u64) {
         match &here.at.wiring {
-            Some(wiring) if let Some(before) = self.last => self.run_due(here, wiring, before, due),
+            Some(wiring) if let Some(before) = self.last => self.run_due(automaton, here, wiring, before, due),
             _ => self.run_all(here),
         }
         self.last = Some(here.now);
@@ -129,7 +129,13 @@ impl Walk {
     /// The position before is the instant before, at `before`.
     // PERF: the signals of most logical formulas are truth values, and most of their moves have been made before.
     #[inline(always)]
-    pub fn known_move(&mut self, alphabet: &Alphabet, letter: u32, now: i64, before: i64) -> Option<usize> {
+    pub fn known_move(
+        &mut self,
+        (automaton, alphabet): (&Automaton, &Alphabet),
+        letter: u32,
+        now: i64,
+        before: i64,
+    ) -> Option<usize> {
         if self.again != 0 || now.wrapping_sub(before).cast_unsigned() > alphabet.shortest {
             return None;
         }
@@ -140,17 +146,17 @@ impl Walk {
             }
             self.alarm = next;
         }
-        self.automaton.known(letter)
+        automaton.known(self.place, letter)
     }
 
     /// Makes a move that is known. Gives the word of all registers before it and after.
     #[inline(always)]
-    pub fn follow(&mut self, alphabet: &Alphabet, known: usize, before: i64) -> (u64, u64) {
-        let Walk { automaton, latest, alarm, registers, .. } = self;
+    pub fn follow(&mut self, (automaton, alphabet): (&Automaton, &Alphabet), known: usize, before: i64) -> (u64, u64) {
+        let Walk { place, latest, alarm, registers, .. } = self;
         let word = &mut registers.bits[0];
         let old = *word;
-        if let Some(made) = automaton.follow(known) {
-            *word = made.word;
+        if let Some(made) = automaton.get(known) {
+            (*word, *place) = (made.word, made.to);
             made.leave_marks(alphabet, latest, before, alarm);
         }
         (old, *word)
@@ -158,13 +164,13 @@ impl Walk {
 
     /// Runs what is due. All truth values are in one word.
     #[inline]
-    fn run_due(&mut self, here: Here<'_>, wiring: &Wiring, before: i64, due: u64) {
+    fn run_due(&mut self, automaton: &mut Automaton, here: Here<'_>, wiring: &Wiring, before: i64, due: u64) {
         let due = due | core::mem::take(&mut self.again) | wiring.always;
         let old = self.registers.bits[0];
         // What reads nothing but signals comes first; nothing else decides what is due then.
         let leaves = self.sweep(here, old, due & wiring.leaves, |_| 0);
         self.registers.bits[0] = match &wiring.alphabet {
-            Some(alphabet) => self.go(here, alphabet, before, (old, leaves)),
+            Some(alphabet) => self.go(automaton, here, alphabet, before, (old, leaves)),
             None => {
                 let mut due = due & !wiring.leaves;
                 if here.now >= self.alarm {
@@ -179,15 +185,24 @@ impl Walk {
 
     /// What the automaton makes of a position at which the leaves are as in `leaves`, the registers having been `old`.
     #[inline(never)]
-    fn go(&mut self, here: Here<'_>, alphabet: &Alphabet, before: i64, (old, leaves): (u64, u64)) -> u64 {
-        if let Some(known) = self.known_move(alphabet, alphabet.letter(old ^ leaves), here.now, before) {
-            return self.follow(alphabet, known, before).1;
+    fn go(
+        &mut self,
+        automaton: &mut Automaton,
+        here: Here<'_>,
+        alphabet: &Alphabet,
+        before: i64,
+        (old, leaves): (u64, u64),
+    ) -> u64 {
+        let letter = alphabet.letter(old ^ leaves);
+        if let Some(known) = self.known_move((automaton, alphabet), letter, here.now, before) {
+            return self.follow((automaton, alphabet), known, before).1;
         }
-        let Walk { automaton, latest, alarm, .. } = self;
+        let Walk { place, latest, alarm, .. } = self;
         let (over, next) = expired(alphabet, latest, (here.now, before));
         *alarm = next;
         let made = automaton.make(alphabet, &here.at.ops, latest, (old, leaves), over);
         made.leave_marks(alphabet, latest, before, alarm);
+        *place = made.to;
         made.word
     }
 
