@@ -18,8 +18,15 @@ pub(crate) struct Index {
 
 impl Index {
     /// Takes in the instances that were added since it was asked last.
+    #[inline]
     pub fn catch_up(&mut self, cores: &[Core]) {
         let known = self.ordered.len() + self.others.len();
+        if known < cores.len() {
+            self.take_in(known, cores);
+        }
+    }
+
+    fn take_in(&mut self, known: usize, cores: &[Core]) {
         let is_ordered = |number: &usize| value(cores, *number).is_some_and(has_order);
         let (new, others): (Vec<_>, Vec<_>) = (known..cores.len()).partition(is_ordered);
         self.others.extend(others);

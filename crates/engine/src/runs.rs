@@ -70,6 +70,11 @@ impl Runs {
         self.runs.get(i).map(|r| r.0.max(from))
     }
 
+    /// The first run that reaches `from` or lies after it.
+    pub fn run_at_or_after(&self, from: Pos) -> Option<(Pos, Pos)> {
+        self.runs.get(self.runs.partition_point(|r| r.1 < from)).copied()
+    }
+
     /// Whether one of `from..=to` is in the set.
     pub fn meets(&self, from: Pos, to: Pos) -> bool {
         self.at_or_after(from).is_some_and(|p| p <= to)

@@ -1,8 +1,9 @@
 //! `eventually`, bounded or not. (`always` is its dual.)
 //!
 //! A position is true once a position that it looks at is, false once its bound is over, or its segment closed, and none is. Where
-//! the operand is itself a future formula it may still be unknown when the bound is over: such late positions are looked through
-//! one by one whenever the operand becomes false somewhere, which is the one place whose cost grows with the bound.
+//! the operand is itself a future formula it may still be unknown when the bound is over. Such a late position waits until nothing that it
+//! looks at is unknown any more; those that wait for the same run of unknown positions are neighbours and are passed over together, so that
+//! the cost does not grow with the bound.
 
 use alloc::vec::Vec;
 
@@ -55,16 +56,36 @@ impl State {
         }
     }
 
-    /// Late positions that look at nothing unknown are false.
-    fn give_up_late(&mut self, bound: &Bound, pass: &Pass<'_>, out: &mut Vec<Decided>) {
-        let mut next = self.open.first();
-        while let Some(k) = next.filter(|&k| k < self.late) {
-            let (first, last) = pass.looked_at(k, bound);
-            if first > last || !self.unknown.meets(first, last) {
+    /// The bound is over for positions before `late`: those that look at nothing unknown are false.
+    fn become_late(&mut self, late: Pos, bound: &Bound, pass: &Pass<'_>, out: &mut Vec<Decided>) {
+        let mut next = self.open.at_or_after(self.late);
+        while let Some(k) = next.filter(|&k| k < late) {
+            if self.awaited(k, bound, pass).is_none() {
                 self.open.take(k, k, |from, to| out.push(Decided { from, to, value: false }));
             }
             next = self.open.at_or_after(k + 1);
         }
+        self.late = self.late.max(late);
+    }
+
+    /// The operand is known at more positions: late positions that look at nothing unknown any more are false.
+    fn give_up_late(&mut self, bound: &Bound, pass: &Pass<'_>, out: &mut Vec<Decided>) {
+        let mut next = self.open.first();
+        while let Some(k) = next.filter(|&k| k < self.late) {
+            let mut beyond = k + 1;
+            match self.awaited(k, bound, pass) {
+                // Whoever looks at anything when it becomes late, and lies between two that wait for a run, waits for it, too.
+                Some(last) => beyond = beyond.max(pass.looking_at(last, bound).map_or(0, |(_, to)| to + 1)),
+                None => self.open.take(k, k, |from, to| out.push(Decided { from, to, value: false })),
+            }
+            next = self.open.at_or_after(beyond);
+        }
+    }
+
+    /// The end of the first run of unknown positions that a position looks at, where there is one.
+    fn awaited(&self, k: Pos, bound: &Bound, pass: &Pass<'_>) -> Option<Pos> {
+        let (first, last) = pass.looked_at(k, bound);
+        self.unknown.run_at_or_after(first).filter(|(from, _)| first <= last && *from <= last).map(|(_, to)| to)
     }
 
     /// The trace is all there is: open positions are false, but where the bound reaches beyond or the operand is unknown.
@@ -96,9 +117,9 @@ pub(crate) fn step(
         && bound.has_end()
         && bound.hi_closed == closed
     {
-        state.late = state.late.max(pass.times.first_after(at.saturating_sub(bound.hi)));
+        state.become_late(pass.times.first_after(at.saturating_sub(bound.hi)), bound, pass, out);
     }
-    let mut recheck = matches!(pass.moment, Moment::Deadline { .. });
+    let mut recheck = false;
     for d in operand.iter() {
         state.unknown.take(d.from, d.to, |_, _| ());
         if d.value {
