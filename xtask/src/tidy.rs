@@ -53,7 +53,10 @@ pub const LAYERS: &[(&str, &[&str], &[&str])] = &[
     ("tracing", &["diag", "stream", "check", "react", "lapwing"], &["log", "tracing", "tracing-subscriber"]),
     (
         "cli",
-        &["diag", "draw", "stream", "syntax", "record", "sim", "ros", "react", "page", "bip", "genom", "import", "lapwing"],
+        &[
+            "diag", "draw", "stream", "syntax", "record", "sim", "ros", "react", "page", "bip", "genom", "import",
+            "lapwing",
+        ],
         &["anstream", "clap", "ctrlc", "indicatif", "ratatui", "serde_json", "signal-hook", "strsim"],
     ),
 ];

@@ -250,6 +250,22 @@ fn what_no_machine_can_be_is_refused_at_its_place() {
     }
 }
 
+#[test]
+fn what_multiplies_is_refused_before_it_does() {
+    let choices: String = (0..15).map(|n| format!("state c{n} <<choice>>\n")).collect();
+    let layers: String = (0..14).flat_map(|n| (0..4).map(move |k| format!("c{n} --> c{} : x{k}\n", n + 1))).collect();
+    let came = imported("m.mmd", &format!("stateDiagram-v2\n{choices}[*] --> a\na --> c0 : go\n{layers}"));
+    assert!(came.found.starts_with("import-refused") && came.text.is_empty(), "{}", came.found);
+    let guarded: String = (0..80).map(|n| format!("<transition event='e' cond='x == {n}' target='s{n}'/>")).collect();
+    let states: String = (0..80).map(|n| format!("<state id='s{n}'/>")).collect();
+    let chart = |transitions: &str| format!("<scxml><state id='a'>{transitions}</state>{states}</scxml>");
+    let came = imported("m.scxml", &chart(&guarded));
+    assert!(came.found.starts_with("import-refused") && came.text.is_empty(), "{}", came.found);
+    let few: String = guarded.split_inclusive("/>").take(30).collect();
+    let came = imported("m.scxml", &chart(&few));
+    assert!(came.text.len() < 40_000 && came.text.contains("a -> s29 on e when"), "{}", came.text.len());
+}
+
 /// The drawing of a specification, if it is one of state diagrams.
 fn drawn(text: &str) -> Option<String> {
     let spec = Spec::parse("a.rv", text, &|_| None).ok()?;

@@ -308,6 +308,9 @@ fn what_is_wrong_is_said_at_its_place() {
     let differ = imported("m.mop", &monitor(ABC, "ltl: [] a @validation { r.x(); }"));
     assert_eq!(differ.found, "import-differs: \"validation\"\n");
     assert_eq!(imported("m.mop", "").found, "import-syntax: \"\"\n");
+    // What was cut out of a page may have a brace too many, or a piece behind it.
+    let twice = imported("m.mop", &(monitor(ABC, "ltl: [] a") + "}\nwhile(!x){ }")).sound();
+    assert!(twice.found.contains("import-differs: \"}\"\nimport-syntax: \"while\""), "{}", twice.found);
     assert_eq!(imported("m.mop", "class X { }").found, "import-syntax: \"class\"\n");
 }
 

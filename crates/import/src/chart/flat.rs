@@ -18,8 +18,10 @@ use crate::{Report, expr};
 
 /// From choice to choice so far and no farther.
 const MOST_CHOICES: usize = 16;
-/// A machine with more edges is not written.
+/// A machine with more edges is not written; nor are more steps from choice to choice taken to find them.
 const MOST_EDGES: usize = 20_000;
+/// So many conditions for one event of a state are kept apart, and no more.
+const MOST_CONDITIONS: usize = 50;
 
 /// Writes the machines of a chart.
 pub(crate) fn write(chart: &Chart, sheet: &mut Sheet, report: &mut Report) {
@@ -109,6 +111,8 @@ struct Flat<'c, 'r> {
     /// The states of the machine, in the order of the drawing.
     leaves: Vec<usize>,
     ways: BTreeMap<usize, Vec<Way>>,
+    /// How many choices have been passed.
+    steps: usize,
     failed: bool,
 }
 
@@ -124,7 +128,7 @@ impl<'c, 'r> Flat<'c, 'r> {
         };
         let mut leaves: Vec<usize> = (0..chart.nodes.len()).filter(|n| chart.is_in(*n, root)).filter(is_leaf).collect();
         leaves.sort_by_key(|leaf| chart.nodes[*leaf].rank);
-        Flat { chart, root, report, leaves, ways: BTreeMap::new(), failed: false }
+        Flat { chart, root, report, leaves, ways: BTreeMap::new(), steps: 0, failed: false }
     }
 
     fn refuse(&mut self, node: usize, why: &str) {
@@ -217,7 +221,7 @@ impl<'c, 'r> Flat<'c, 'r> {
             if total > MOST_EDGES {
                 return self.refuse(leaf, "it has too many arrows");
             }
-            let ways = self.apart(ways);
+            let ways = self.apart(leaf, ways);
             self.ways.insert(leaf, ways);
         }
     }
@@ -229,8 +233,12 @@ impl<'c, 'r> Flat<'c, 'r> {
             ways.push(Way { to, ..way });
             return;
         }
-        if choices == MOST_CHOICES || ways.len() > MOST_EDGES {
-            return self.refuse(to, "choices lead in a circle");
+        self.steps += 1;
+        if choices == MOST_CHOICES || self.steps > MOST_EDGES {
+            self.refuse(to, "choices lead in a circle, or to too many others");
+        }
+        if self.failed {
+            return;
         }
         let chart = self.chart;
         let branches: Vec<_> = chart.arrows.iter().filter(|a| a.from == to).collect();
@@ -250,30 +258,33 @@ impl<'c, 'r> Flat<'c, 'r> {
     }
 
     /// Ways that exclude each other: what is tried first is left out of the conditions of what is tried later.
-    fn apart(&self, ways: Vec<Way>) -> Vec<Way> {
+    fn apart(&mut self, leaf: usize, ways: Vec<Way>) -> Vec<Way> {
         let mut kept: Vec<Way> = Vec::new();
+        // What each was drawn with, and what it comes to, as text.
+        let mut drawn: Vec<(Option<Expr>, String)> = Vec::new();
         for mut way in ways {
-            let earlier = kept.iter().filter(|k| {
-                let sooner = self.chart.ordered || k.level < way.level;
-                sooner && k.trigger == way.trigger && k.to != way.to && way.trigger != Trigger::Unsaid
-            });
-            let mut never = false;
-            let mut not = Vec::new();
-            for other in earlier {
-                match &other.when {
-                    None => never = true,
-                    Some(when) => not.push(expr::not(when.clone())),
-                }
-            }
-            if never {
+            let sooner = |k: &Way| self.chart.ordered || k.level < way.level;
+            let rivals =
+                |k: &Way| sooner(k) && k.trigger == way.trigger && k.to != way.to && way.trigger != Trigger::Unsaid;
+            let earlier: Vec<&Option<Expr>> =
+                kept.iter().zip(&drawn).filter(|(k, _)| rivals(k)).map(|(_, (guard, _))| guard).collect();
+            if earlier.iter().any(|guard| guard.is_none()) {
                 continue;
             }
-            way.when = expr::all(way.when.take().into_iter().chain(not));
-            let text = |when: &Option<Expr>| when.as_ref().map(print_expr);
-            let alike = kept.iter().filter(|k| k.trigger == way.trigger && k.to == way.to);
-            let is_known = alike.into_iter().any(|k| text(&k.when) == text(&way.when));
-            if !is_known {
+            if earlier.len() > MOST_CONDITIONS {
+                self.refuse(leaf, "one event leads to too many states, each on a condition of its own");
+                return Vec::new();
+            }
+            let guard = way.when.take();
+            let not = earlier.into_iter().flatten().map(|other| expr::not(other.clone()));
+            way.when = expr::all(guard.clone().into_iter().chain(not));
+            let text = way.when.as_ref().map(print_expr).unwrap_or_default();
+            let alike = |(k, (_, known)): (&Way, &(Option<Expr>, String))| {
+                k.trigger == way.trigger && k.to == way.to && *known == text
+            };
+            if !kept.iter().zip(&drawn).any(alike) {
                 kept.push(way);
+                drawn.push((guard, text));
             }
         }
         kept

@@ -162,7 +162,8 @@ fn calls(part: &Cursor<'_>) -> Vec<String> {
     let mut found = Vec::new();
     let mut at = 0;
     while at < tokens.len() {
-        let is_call = tokens.get(at).is_some_and(|t| t.kind == Kind::Word) && word(at + 1) == "(";
+        let is_new = at.checked_sub(1).is_some_and(|before| word(before) == "new");
+        let is_call = tokens.get(at).is_some_and(|t| t.kind == Kind::Word) && word(at + 1) == "(" && !is_new;
         if !is_call {
             at += 1;
             continue;

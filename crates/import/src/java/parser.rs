@@ -36,6 +36,11 @@ pub(crate) fn parse<'t>(mut cursor: Cursor<'t>, report: &mut Report) -> Vec<Spec
             // `full-binding`
         } else if matches!(cursor.peek(0), "full" | "maximal" | "any") && cursor.peek(1) == "-" {
             (0..3).for_each(|_| _ = cursor.next());
+        } else if cursor.peek(0) == "}" && !specs.is_empty() {
+            let place = cursor.place();
+            let message = "this `}` closes nothing, and is passed over";
+            report.push(Diagnostic::new(Code::ImportDiffers, report.span(place.start, place.end), message));
+            cursor.next();
         } else {
             match spec(&mut cursor, report) {
                 Some(spec) => specs.push(spec),
@@ -61,7 +66,8 @@ fn wrong(report: &mut Report, cursor: &Cursor<'_>, expected: &str) -> Diagnostic
 
 /// `NAME(PARAMETERS) { … }`
 fn spec<'t>(cursor: &mut Cursor<'t>, report: &mut Report) -> Option<Spec<'t>> {
-    let name = if cursor.peek(1) == "(" { cursor.name() } else { None };
+    let is_monitor = cursor.peek(1) == "(" && !matches!(cursor.peek(0), "if" | "for" | "while" | "switch" | "catch");
+    let name = if is_monitor { cursor.name() } else { None };
     let Some(name) = name else {
         let diagnostic = wrong(report, cursor, "a monitor, as in `Init(Kicker k) { … }`");
         report.push(diagnostic);
