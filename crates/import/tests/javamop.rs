@@ -158,12 +158,14 @@ fn parameters_are_one_object_or_slices() {
         line(&auto.text, "property"),
         "property u: for each c of create.c: for each i of create.i: ltl([] (create => !<> (update and <> use)))"
     );
+    assert_eq!(auto.found, "import-parameter: \"c\"\nimport-parameter: \"i\"\n", "by which fields they are told apart");
     let one = imported_with("u.mop", text, Parameters::One).sound();
     assert_eq!(line(&one.text, "property"), "property u: ltl([] (create => !<> (update and <> use)))");
     // An object for which no event is enough: the first is taken, and what is not seen is said.
     let events = "event e before(Robot r): call(void R.e()) && target(r) {}\nevent f before(Robot r): call(void R.f()) && target(r) {}";
     let each = imported_with("m.mop", &monitor(events, "ltl: [](e and f)"), Parameters::Each).sound();
     assert_eq!(line(&each.text, "property"), "property m: for each r of e.r: ltl([] (e and f))");
+    assert_eq!(each.found, "import-parameter: \"r\"\n", "a robot that does `f` alone goes unseen");
     // No event binds it: JavaMOP has one monitor, and so has the import.
     let unbound = imported_with("m.mop", &monitor(ABC, "ltl: [] a"), Parameters::Each).sound();
     assert_eq!(line(&unbound.text, "property"), "property m over (b, c): ltl([] a)");

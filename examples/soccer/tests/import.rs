@@ -9,7 +9,7 @@ use common::{checked, player};
 use lapwing_diag::SourceMap;
 use lapwing_import::{Format, Options, import};
 use soccer::fault::Fault;
-use soccer::watch::{Happening, entered};
+use soccer::watch::{DIAGRAM, Happening};
 
 /// A monitor's file, its property once it is imported, and that of `soccer.rv`.
 const PROPERTIES: [(&str, &str, &str); 6] = [
@@ -30,7 +30,7 @@ fn in_the_thesis(name: &str) -> Vec<String> {
         ("dribble_to_goal", "dribble_ball_state_true"),
         ("kick_ball_to_goal", "kick_ball_state_true"),
     ];
-    match states.iter().find(|(state, _)| entered(state) == name) {
+    match states.iter().find(|(state, _)| format!("entered({DIAGRAM}.{state})") == name) {
         Some((_, event)) => vec![(*event).to_owned()],
         // Appendix M calls it `kick_ball`.
         None if name == "kick_ball_after" => vec![name.to_owned(), "kick_ball".to_owned()],
