@@ -5,6 +5,7 @@
 mod components;
 mod files;
 mod hostile;
+mod imports;
 mod live;
 mod models;
 mod texts;
@@ -29,6 +30,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("step", hostile::step),
     ("differential", hostile::differential),
     ("bip", models::bip),
+    ("import", imports::import),
 ];
 
 /// The target of that name.

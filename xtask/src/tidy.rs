@@ -44,6 +44,7 @@ pub const LAYERS: &[(&str, &[&str], &[&str])] = &[
     ("page", &["stream", "react"], &["plotly", "serde_json", "sha2"]),
     ("bip", &["diag"], &["rand_pcg", "strsim"]),
     ("genom", &["diag", "draw", "bip"], &["strsim"]),
+    ("import", &["diag", "syntax"], &["quick-xml", "strsim"]),
     (
         "lapwing",
         &["diag", "draw", "stream", "syntax", "engine", "check", "record", "ros", "react"],
@@ -52,7 +53,10 @@ pub const LAYERS: &[(&str, &[&str], &[&str])] = &[
     ("tracing", &["diag", "stream", "check", "react", "lapwing"], &["log", "tracing", "tracing-subscriber"]),
     (
         "cli",
-        &["diag", "draw", "stream", "syntax", "record", "sim", "ros", "react", "page", "bip", "genom", "lapwing"],
+        &[
+            "diag", "draw", "stream", "syntax", "record", "sim", "ros", "react", "page", "bip", "genom", "import",
+            "lapwing",
+        ],
         &["anstream", "clap", "ctrlc", "indicatif", "ratatui", "serde_json", "signal-hook", "strsim"],
     ),
 ];

@@ -146,6 +146,11 @@ fn mutated_models() {
 }
 
 #[test]
+fn mutated_imports() {
+    mutations_survive("import", 800);
+}
+
+#[test]
 fn samples_that_lie() {
     let mut random = Random(7);
     all_survive((0..600).map(|n: u64| {

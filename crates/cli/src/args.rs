@@ -55,6 +55,8 @@ pub enum Command {
     Genom(crate::genom::Genom),
     /// Runs models in RT-BIP
     Bip(crate::bip::Bip),
+    /// Writes a specification from a monitor of JavaMOP or a state diagram of Mermaid or SCXML
+    Import(crate::import::Import),
     /// Says what a specification, or a diagnostic code, means
     Explain(Explain),
     /// Lays specifications out canonically, in place

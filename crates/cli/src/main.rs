@@ -15,6 +15,7 @@ mod demo;
 mod explain;
 mod fmt;
 mod genom;
+mod import;
 mod monitor;
 mod new;
 mod replay;
@@ -47,6 +48,7 @@ fn main() -> ExitCode {
         Command::Backtest(backtest) => backtest::run(&backtest),
         Command::Genom(genom) => genom::run(&genom),
         Command::Bip(bip) => bip::run(&bip),
+        Command::Import(import) => import::run(&import),
         Command::Explain(explain) => explain::run(&explain),
         Command::Fmt(fmt) => fmt::run(&fmt),
         Command::New(new) => new::run(&new),

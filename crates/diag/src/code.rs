@@ -125,6 +125,15 @@ codes! {
     BipExternal Error "bip-external",
     BipPriorityCycle Error "bip-priority-cycle",
     BipNotConnected Warning "bip-not-connected",
+    ImportSyntax Error "import-syntax",
+    ImportRefused Error "import-refused",
+    ImportEvent Warning "import-event",
+    ImportDiffers Warning "import-differs",
+    ImportFirstPosition Warning "import-first-position",
+    ImportParameter Warning "import-parameter",
+    ImportTrigger Note "import-trigger",
+    ImportCode Note "import-code",
+    ImportRenamed Note "import-renamed",
 }
 
 impl Code {

@@ -31,6 +31,8 @@ pub struct Graph {
     pub nodes: Vec<Node>,
     /// The arrows.
     pub edges: Vec<Edge>,
+    /// What the drawing does not show, a line each: in formats with comments they are comments.
+    pub remarks: Vec<String>,
 }
 
 /// A node.

@@ -20,6 +20,9 @@ fn states(graphs: &[Graph]) -> String {
             format!("{}_{name}", graph.title)
         };
         let _ = writeln!(out, "  state {} {{", graph.title);
+        for remark in &graph.remarks {
+            let _ = writeln!(out, "    %% lapwing: {}", remark.replace('\n', " "));
+        }
         for (k, node) in graph.nodes.iter().enumerate() {
             let _ = writeln!(out, "    {} : {}", id(k), escaped(&node.label));
             if node.shape == Shape::Initial {

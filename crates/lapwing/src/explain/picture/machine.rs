@@ -22,5 +22,19 @@ pub(super) fn graph(printer: &Printer<'_>, machine: &Machine) -> Option<Graph> {
         let parts: Vec<String> = on.into_iter().chain(when).collect();
         graph.edges.push(Edge { from: edge.from, to: edge.to, label: parts.join(" when ") });
     }
+    graph.remarks = remarks(printer, machine);
     Some(graph)
+}
+
+/// What the arrows do not show, as entries of the machine: with it the drawing can be imported again. A state's condition stands at the arrows that lead to
+/// it, but an arrow may have one of its own, and to some states none leads.
+fn remarks(printer: &Printer<'_>, machine: &Machine) -> Vec<String> {
+    let event = |number: usize| printer.meaning.events.get(number).map(|e| format!(" on {}", e.name));
+    let sample = machine.sample.iter().map(|s| format!("sample when {}", printer.print(s)));
+    let states = machine.states.iter().filter(|s| s.on.is_some() || s.when.is_some()).map(|s| {
+        let when = s.when.as_ref().map(|w| format!(" when {}", printer.print(w)));
+        format!("state {}{}{}", s.name, s.on.and_then(event).unwrap_or_default(), when.unwrap_or_default())
+    });
+    let stay = machine.else_stay.then(|| "else stay".to_owned());
+    [format!("machine {}", machine.name)].into_iter().chain(sample).chain(states).chain(stay).collect()
 }

@@ -1,0 +1,316 @@
+//! State diagrams of Mermaid and SCXML, and what machines they become.
+
+mod common;
+
+use common::imported;
+use expect_test::{Expect, expect};
+use lapwing::explain::{Picture, draw};
+use lapwing::{Monitor, Options, Spec, Unseen};
+use lapwing_stream::{Sample, Time, What};
+
+/// The machines of a diagram, without the line that says where they are from.
+fn check(name: &str, text: &str, machine: Expect) -> String {
+    let came = imported(name, text).sound();
+    machine.assert_eq(came.text.split_once("\n\n").unwrap().1);
+    came.found
+}
+
+/// Where the first machine stands after these events.
+fn after(text: &str, events: &[&str]) -> String {
+    let spec = Spec::parse("m.rv", text, &|_| None).unwrap();
+    let machine = spec.alone().spec.machines[0].name.clone();
+    let mut monitor = Monitor::new(spec);
+    for (at, name) in events.iter().enumerate() {
+        let event = monitor.event(name).unwrap();
+        monitor.feed(Sample { time: Time(at as i64), what: What::Event { event, values: &[] } });
+    }
+    let state = monitor.state(&machine).unwrap().to_owned();
+    monitor.finish(&Unseen::default());
+    state
+}
+
+#[test]
+fn a_diagram_with_states_in_states_choices_and_ends() {
+    let text = "---\ntitle: Door Lock\n---\nstateDiagram-v2\n    %% a comment\n    direction LR\n    classDef bad fill:#f00\n    [*] --> closed\n    \
+                closed --> Open : push [force > 2] / creak\n    Open:::bad --> closed : pull\n    closed --> locked : turn key\n    state locked {\n        [*] --> one\n        \
+                one --> two : again\n        two --> [*] : click\n    }\n    locked --> closed\n    state pick <<choice>>\n    Open --> pick : kick\n    pick --> broken : if force > 9\n    \
+                pick --> Open : else\n    broken : it is broken\n    broken --> [*]\n    note right of broken : no comment\n    note left of Open\n      nor this\n    end note\n";
+    let found = check(
+        "door.mmd",
+        text,
+        expect![[r#"
+            event final
+            event push
+            event turn_key
+            event pull
+            event kick
+            event again
+            event click
+
+            # locked is: Door_Lock == one or Door_Lock == two
+            machine Door_Lock {
+                initial closed
+                state closed
+                state Open
+                state one
+                state two
+                state broken
+                state final on final
+                closed -> Open on push when force > 2
+                closed -> one on turn_key
+                Open -> closed on pull
+                Open -> broken on kick when force > 9
+                Open -> Open on kick when not force > 9
+                one -> two on again
+                two -> closed on click
+                broken -> final
+            }
+        "#]],
+    );
+    let said: Vec<&str> = found.lines().collect();
+    assert_eq!(said, ["import-code: \"/ creak\"", "import-trigger: \"broken --> [*]\""]);
+}
+
+#[test]
+fn arrows_without_labels_are_moves_that_are_allowed() {
+    let text = "stateDiagram\n    [*] --> search\n    search --> approach : [the ball is near]\n    approach --> search\n    approach --> look-out : kick\n";
+    let found = check(
+        "robot.mmd",
+        text,
+        expect![[r#"
+            event search
+            event kick
+
+            machine robot {
+                initial search
+                state search on search
+                state approach
+                state look_out
+                search -> approach when the_ball_is_near
+                approach -> search
+                approach -> look_out on kick
+            }
+        "#]],
+    );
+    assert_eq!(
+        found,
+        "import-renamed: \"approach --> look-out : kick\"\nimport-trigger: \"the ball is near\"\nimport-trigger: \"[*] --> search\"\n"
+    );
+}
+
+#[test]
+fn a_chart_in_scxml() {
+    let text = r#"<?xml version="1.0"?>
+<scxml xmlns="http://www.w3.org/2005/07/scxml" version="1.0" initial="idle" name="robot">
+  <datamodel><data id="n" expr="0"/></datamodel>
+  <state id="idle"><transition event="start go" target="busy" cond="ready &amp;&amp; !stuck"/></state>
+  <state id="busy" initial="turn">
+    <onentry><log expr="'x'"/></onentry>
+    <transition event="stop" target="idle"/>
+    <transition event="done.state.busy" target="idle"/>
+    <transition event="error" target="broken"/>
+    <state id="turn">
+      <transition event="seen" target="drive"/>
+      <transition event="stop" cond="speed &lt; 1" target="drive"/>
+    </state>
+    <state id="drive"><transition event="there" target="end"/><transition event="error.motor"/></state>
+    <final id="end"/>
+  </state>
+  <state id="broken"><transition target="idle" cond="repaired"/></state>
+  <state id="passing"><transition target="broken"/></state>
+</scxml>
+"#;
+    let found = check(
+        "robot.scxml",
+        text,
+        expect![[r#"
+            event start
+            event go
+            event seen
+            event stop
+            event error
+            event error_motor
+            event there
+
+            # busy is: robot == turn or robot == drive
+            machine robot {
+                initial idle
+                state idle
+                state turn
+                state drive
+                state broken
+                idle -> turn on start when ready and not stuck
+                idle -> turn on go when ready and not stuck
+                turn -> drive on seen
+                turn -> drive on stop when speed < 1
+                turn -> idle on stop when not speed < 1
+                turn -> broken on error
+                turn -> broken on error_motor
+                drive -> idle on there
+                drive -> drive on error_motor
+                drive -> idle on stop
+                drive -> broken on error
+                broken -> idle when repaired
+            }
+        "#]],
+    );
+    assert!(
+        found.contains("import-code: \"<datamodel>\"")
+            && found.contains("import-differs: \"<state id=\\\"broken\\\">\""),
+        "{found}"
+    );
+}
+
+#[test]
+fn inner_arrows_come_before_outer_ones() {
+    let text =
+        "stateDiagram-v2\n[*] --> s\nstate s {\n[*] --> a\na --> b : e\nb --> a : f\n}\ns --> out : e\nout --> s : f\n";
+    let came = imported("m.mmd", text).sound();
+    for (events, state) in
+        [(&["e"][..], "b"), (&["e", "e"], "out"), (&["e", "e", "f"], "a"), (&["f"], "a"), (&["e", "f"], "a")]
+    {
+        assert_eq!(after(&came.text, events), state, "{events:?}\n{}", came.text);
+    }
+    // In SCXML the order of the document decides as well.
+    let text = "<scxml><state id='a'><transition event='e' cond='x' target='b'/><transition event='e' target='c'/><transition event='e' target='b'/>\
+                </state><state id='b'/><state id='c'/></scxml>";
+    let came = imported("m.scxml", text).sound();
+    assert!(came.text.contains("    a -> b on e when x\n    a -> c on e when not x\n}"), "{}", came.text);
+}
+
+#[test]
+fn regions_that_are_all_there_is_become_machines() {
+    let text = "stateDiagram-v2\n[*] --> both\nstate both {\n[*] --> a\na --> b : e\n--\n[*] --> x\nx --> y : e\n}\n";
+    let came = imported("m.mmd", text);
+    assert!(
+        came.found.is_empty() && came.text.contains("machine m_1 {") && came.text.contains("machine m_2 {"),
+        "{}{}",
+        came.found,
+        came.text
+    );
+    came.sound();
+    let text = "<scxml><parallel id='p'><state id='l'><state id='a'><transition event='e' target='b'/></state><state id='b'/></state>\
+                <state id='r'><state id='x'/></state></parallel></scxml>";
+    let came = imported("m.scxml", text).sound();
+    assert!(came.text.contains("machine m_l {") && came.text.contains("machine m_r {"), "{}", came.text);
+}
+
+#[test]
+fn a_page_may_have_several_diagrams() {
+    let page = "# x\n```mermaid\nflowchart TD\n  a --> b\n```\n```mermaid\nstateDiagram\n[*] --> a\na --> b : go\n```\n```mermaid\nstateDiagram-v2\n[*] --> a\na --> b : go\n```\n";
+    let came = imported("page.md", page).sound();
+    assert!(came.text.contains("machine page_1 {") && came.text.contains("machine page_2 {"), "{}", came.text);
+    assert_eq!(came.text.matches("event go\n").count(), 1);
+}
+
+#[test]
+fn what_no_machine_can_be_is_refused_at_its_place() {
+    let scxml = |inside: &str| ("m.scxml", format!("<scxml>{inside}</scxml>"));
+    let mermaid = |inside: &str| ("m.mmd", format!("stateDiagram-v2\n{inside}\n"));
+    for ((name, text), found) in [
+        (scxml("<state id='a'><state id='b'/><history id='h'/></state>"), "import-refused: \"<history id='h'/>\""),
+        (
+            scxml("<state id='a'/><state id='q'><parallel id='b'><state id='c'/><state id='d'/></parallel></state>"),
+            "import-refused: \"<parallel id='b'>\"",
+        ),
+        (
+            scxml("<state id='a'><transition event='e' target='b c'/></state><state id='b'/><state id='c'/>"),
+            "import-refused: \"<transition event='e' target='b c'/>\"",
+        ),
+        (
+            scxml("<state id='a'><transition event='e' target='bb'/></state><state id='b'/>"),
+            "import-syntax: \"<transition event='e' target='bb'/>\"",
+        ),
+        (scxml("<state id='a'/><state id='a'/>"), "import-syntax: \"<state id='a'/>\""),
+        (
+            scxml("<state id='a'><transition target='b'/></state><state id='b'><transition target='a'/></state>"),
+            "import-refused: \"<state id='a'>\"",
+        ),
+        (scxml(""), "import-syntax: \"<scxml>\""),
+        (("m.scxml", "<scxml><state id='a'>".to_owned()), "import-syntax: \"<state id='a'>\""),
+        (("m.scxml", "<a/>".to_owned()), "import-syntax: \"<a/>\""),
+        (("m.scxml", "<scxml>".repeat(99)), "import-syntax: \"<scxml>\""),
+        (mermaid("[*] --> a\nstate f <<fork>>\na --> f\nf --> b"), "import-refused: \"state f <<fork>>\""),
+        (mermaid("[*] --> a\na --> b\nstate b {\nx --> y\n--\nz\n}"), "import-refused: \"a --> b\""),
+        (mermaid("[*] --> both\nstate both {\na --> x\n--\nx --> y\n}"), "import-refused: \"x --> y\""),
+        (
+            mermaid("[*] --> a\nstate c <<choice>>\nstate d <<choice>>\na --> c\nc --> d\nd --> c"),
+            "import-refused: \"state c <<choice>>\"",
+        ),
+        (mermaid("a -> b"), "import-syntax: \"a -> b\""),
+        (mermaid("state a {"), "import-syntax: \"\""),
+        (mermaid("}"), "import-syntax: \"}\""),
+        (mermaid(""), "import-syntax: \"stateDiagram-v2\\n\\n\""),
+        (mermaid("%% lapwing: state a on\n[*] --> a"), "import-syntax: \"%% lapwing: state a on\""),
+        (("m.mmd", "flowchart TD\n".to_owned()), "import-syntax: \"flowchart TD\""),
+        (("m.md", "# nothing\n".to_owned()), "import-syntax: \"\""),
+    ] {
+        let came = imported(name, &text);
+        assert_eq!(came.found.lines().next().unwrap_or(""), found, "{text}\n{}", came.found);
+        assert_eq!(came.text, "", "{text}");
+    }
+}
+
+#[test]
+fn what_multiplies_is_refused_before_it_does() {
+    let choices: String = (0..15).map(|n| format!("state c{n} <<choice>>\n")).collect();
+    let layers: String = (0..14).flat_map(|n| (0..4).map(move |k| format!("c{n} --> c{} : x{k}\n", n + 1))).collect();
+    let came = imported("m.mmd", &format!("stateDiagram-v2\n{choices}[*] --> a\na --> c0 : go\n{layers}"));
+    assert!(came.found.starts_with("import-refused") && came.text.is_empty(), "{}", came.found);
+    let guarded: String = (0..80).map(|n| format!("<transition event='e' cond='x == {n}' target='s{n}'/>")).collect();
+    let states: String = (0..80).map(|n| format!("<state id='s{n}'/>")).collect();
+    let chart = |transitions: &str| format!("<scxml><state id='a'>{transitions}</state>{states}</scxml>");
+    let came = imported("m.scxml", &chart(&guarded));
+    assert!(came.found.starts_with("import-refused") && came.text.is_empty(), "{}", came.found);
+    let few: String = guarded.split_inclusive("/>").take(30).collect();
+    let came = imported("m.scxml", &chart(&few));
+    assert!(came.text.len() < 40_000 && came.text.contains("a -> s29 on e when"), "{}", came.text.len());
+}
+
+/// The drawing of a specification, if it is one of state diagrams.
+fn drawn(text: &str) -> Option<String> {
+    let spec = Spec::parse("a.rv", text, &|_| None).ok()?;
+    draw(&spec, None, &Options::default(), Picture::Mermaid).unwrap().filter(|d| d.starts_with("stateDiagram"))
+}
+
+#[test]
+fn drawings_of_machines_come_back_as_the_same_machines() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    let suite = std::fs::read_to_string(format!("{root}/suite/machines/machines.md")).unwrap();
+    let soccer = std::fs::read_to_string(format!("{root}/examples/soccer/soccer.rv")).unwrap();
+    let machine = |fence: &str| fence.split("\n}\n").next().map(|m| format!("{m}\n}}\n")).unwrap();
+    let cases =
+        suite.split("```rv\n").skip(1).map(machine).chain([soccer.split("\nevent ").next().unwrap().to_owned()]);
+    let mut count = 0;
+    for spec in cases {
+        let Some(drawing) = drawn(&spec) else { panic!("{spec}") };
+        let came = imported("a.mmd", &drawing);
+        assert_eq!(came.found, "", "{drawing}");
+        assert_eq!(drawn(&came.text).as_deref(), Some(drawing.as_str()), "{}", came.text);
+        let laid_out = |text: &str| {
+            let from = text.find("machine ").unwrap();
+            let lines = text[from..]
+                .lines()
+                .filter(|l| !l.trim().starts_with('#'))
+                .map(|l| l.split("  #").next().unwrap().to_owned());
+            lines.collect::<Vec<_>>()
+        };
+        // Where no condition is written otherwise than it is drawn, the text is the same.
+        if spec.lines().count() < 9 && !spec.contains(" | ") {
+            let spec = lapwing_syntax::format(&spec).unwrap();
+            assert_eq!(laid_out(&came.text), laid_out(&spec));
+        }
+        count += 1;
+    }
+    assert!(count > 12, "{count} machines");
+}
+
+#[test]
+fn states_may_be_called_by_words_of_the_language() {
+    let words = "when on at state initial sample else over below next until always not true in of for each machine within o X start stop fail since";
+    let arrows: String = words.split(' ').map(|w| format!("s --> {w} : {w}\n{w} --> s : back [{w} > 1]\n")).collect();
+    let came = imported("m.mmd", &format!("stateDiagram-v2\n[*] --> s\n{arrows}"));
+    assert_eq!(came.text.matches(" -> s on back").count(), words.split(' ').count(), "{}", came.text);
+    let errors = lapwing_syntax::parse(lapwing_syntax::FileId(0), &came.text).diagnostics;
+    assert!(errors.is_empty(), "{errors:?}\n{}", came.text);
+}
