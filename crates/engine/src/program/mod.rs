@@ -12,9 +12,10 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use lapwing_stream::{Duration, Value};
+use serde::{Deserialize, Serialize};
 
 /// Where instants come from.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 pub enum Clock {
     /// Every sample that is read.
     #[default]
@@ -24,7 +25,7 @@ pub enum Clock {
 }
 
 /// A compiled specification.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Program {
     /// Which instants there are.
     pub clock: Clock,
@@ -53,27 +54,29 @@ pub struct Program {
 }
 
 /// A signal.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Slot {
     /// Its value before the first sample.
     pub default: Option<Value>,
     /// What another value of it makes due. [`Program::link`] fills it.
+    #[serde(skip)]
     pub wakes: Vec<Wake>,
 }
 
 /// A cell of a row that fills a slot.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Column {
     /// The number of the cell.
     pub cell: usize,
     /// The slot.
     pub slot: usize,
     /// What another value of the slot makes due.
+    #[serde(skip)]
     pub wakes: Vec<Wake>,
 }
 
 /// A topic.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Topic {
     /// For every wanted field, the slots that it fills.
     pub fields: Vec<Vec<usize>>,
@@ -86,7 +89,7 @@ pub struct Topic {
 }
 
 /// An object of the ground truth and the slots that its parts fill: position 3, quaternion 4 (x, y, z, w), linear 3, angular 3.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Object {
     /// Its name.
     pub name: String,
@@ -97,7 +100,7 @@ pub struct Object {
 }
 
 /// Where an object's ground truth comes from: numbers of wanted fields.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub enum ObjectSource {
     ModelStates {
@@ -121,7 +124,7 @@ pub enum ObjectSource {
 }
 
 /// An event.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Event {
     /// For a message event, the wanted field of its topic that each of its fields is; else they come with the event.
     pub from_message: Option<Vec<usize>>,
@@ -132,7 +135,7 @@ pub struct Event {
 }
 
 /// The positions of a machine or of properties, and what is computed at them.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Positions {
     /// What must be defined before position 0, and so many instants before it.
     pub reads: Vec<(Read, usize)>,
@@ -147,11 +150,12 @@ pub struct Positions {
     /// The code, in the order of evaluation.
     pub ops: Vec<Op>,
     /// What makes each operator due, where that is kept account of. [`Program::link`] fills it.
+    #[serde(skip)]
     pub wiring: Option<Wiring>,
 }
 
 /// What a start waits for.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
 pub enum Read {
     /// A value of a slot.
     Slot(usize),
@@ -161,7 +165,7 @@ pub enum Read {
 
 /// After a message of the topic, the value of a comparison of its age differs from before at these distances, each at least a
 /// nanosecond, increasing.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AgeFlips {
     /// The topic.
     pub topic: usize,
@@ -170,7 +174,7 @@ pub struct AgeFlips {
 }
 
 /// `for each k of EVENT.field`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Slice {
     /// The event whose values make instances.
     pub event: usize,
@@ -181,7 +185,7 @@ pub struct Slice {
 }
 
 /// A machine.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Machine {
     /// Its positions and expressions.
     pub at: Positions,
@@ -200,7 +204,7 @@ pub struct Machine {
 }
 
 /// A state of a machine.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub struct MachineState {
     pub name: String,
@@ -214,7 +218,7 @@ pub struct MachineState {
 }
 
 /// An edge of a machine.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub struct Edge {
     pub from: usize,
@@ -224,7 +228,7 @@ pub struct Edge {
 }
 
 /// A property.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Property {
     /// Its name.
     pub name: String,
@@ -245,7 +249,7 @@ pub struct Property {
 }
 
 /// A silence that is too long.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct Silence {
     /// Of what: a topic, or a signal that comes in rows.
     pub of: Read,
@@ -256,7 +260,7 @@ pub struct Silence {
 }
 
 /// Who judges a property.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 pub enum Judge {
     /// Nobody can.
     #[default]
