@@ -55,6 +55,8 @@ pub enum Command {
     Genom(crate::genom::Genom),
     /// Runs models in RT-BIP
     Bip(crate::bip::Bip),
+    /// Writes monitors as source text, for machines without room for Lapwing
+    Codegen(crate::codegen::Codegen),
     /// Says what a specification, or a diagnostic code, means
     Explain(Explain),
     /// Lays specifications out canonically, in place
