@@ -4,6 +4,7 @@
 
 pub mod agree;
 pub mod big;
+pub mod codegen;
 pub mod exhaustive;
 pub mod generated;
 pub mod patterns;

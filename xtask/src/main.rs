@@ -1,6 +1,10 @@
 //! `cargo run --release -p xtask -- agree --random 20000 [--seed N]`: whether engine and reference say the same.
 //!
 //! `cargo run --release -p xtask -- big [--gigabytes 2]`: whether memory stays where it is however long a recording is.
+//!
+//! `cargo run -p xtask -- codegen --random 2000 [--seed N]`: whether generated monitors say what the engine says.
+//!
+//! `cargo run -p xtask -- code-size`: how much of a small machine generated monitors take.
 
 use std::path::Path;
 use std::process::{Command, ExitCode};
@@ -8,6 +12,7 @@ use std::{env, fs, io};
 
 use clap::{Parser, Subcommand};
 use xtask::big::{Comparison, Kind, SPEC};
+use xtask::codegen::{Case, Target};
 use xtask::random::{Told, run};
 
 /// Chores of the repository.
@@ -37,6 +42,20 @@ enum Chore {
         #[arg(long, default_value_t = 2.0)]
         gigabytes: f64,
     },
+    /// Compare generated monitors with the engine on specifications and traces at random.
+    Codegen {
+        /// How many cases.
+        #[arg(long, default_value_t = 2_000)]
+        random: u64,
+        /// The seed of the first; the others follow it.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Only in C, which compiles in a tenth of the time.
+        #[arg(long)]
+        c: bool,
+    },
+    /// Compile the soccer robot's monitors for a Cortex-M3, and say how large they are.
+    CodeSize,
 }
 
 fn main() -> ExitCode {
@@ -46,7 +65,41 @@ fn main() -> ExitCode {
             eprintln!("error: {error}");
             ExitCode::FAILURE
         }),
+        Chore::Codegen { random, seed, c } => codegen(random, seed, c).unwrap_or_else(|error| {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }),
+        Chore::CodeSize => code_size().unwrap_or_else(|error| {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }),
     }
+}
+
+fn codegen(random: u64, seed: u64, c: bool) -> Result<ExitCode, String> {
+    let targets: &[Target] = if c { &[Target::C] } else { &[Target::Rust, Target::C] };
+    let seeds: Vec<u64> = (seed..seed.saturating_add(random)).collect();
+    let (mut compared, mut refused) = (0, 0);
+    for seeds in seeds.chunks(200) {
+        let cases: Vec<_> = seeds.iter().filter_map(|&seed| Case::at_random(seed)).collect();
+        let folder = tempfile::tempdir().map_err(|e| e.to_string())?;
+        let (count, wrong) = xtask::codegen::agree(&cases, targets, folder.path())?;
+        if let Some(first) = wrong.first() {
+            return Err(format!("{} differ\n{first}", wrong.len()));
+        }
+        (compared, refused) = (compared + count.compared, refused + count.refused);
+    }
+    println!("{compared} properties agree, {refused} are not generated");
+    Ok(ExitCode::SUCCESS)
+}
+
+fn code_size() -> Result<ExitCode, String> {
+    let folder = tempfile::tempdir().map_err(|e| e.to_string())?;
+    println!("| property | code, bytes | memory, bytes |\n| --- | ---: | ---: |");
+    for size in xtask::codegen::cortex::sizes(folder.path())? {
+        println!("| {} | {} | {} |", size.name, size.code, size.memory);
+    }
+    Ok(ExitCode::SUCCESS)
 }
 
 /// Each format in a temporary folder, checked by the tool that was built beside this program.

@@ -3,6 +3,7 @@
 use lapwing_check::checked::Spec;
 use lapwing_check::{check, load};
 use lapwing_diag::{Code, Severity, SourceMap, Style, render};
+use lapwing_reference::Trace;
 use lapwing_reference::generate::{Case, generate, shrink};
 
 use crate::agree::{Drive, agree};
@@ -31,6 +32,14 @@ pub fn run(seed: u64) -> Told {
         }
         Err(Failure::Differ(_)) => Told::Differed(smallest(seed, &case)),
     }
+}
+
+/// The specification of a seed, the trace to check it on, and its text; `None` where the checker refuses it.
+pub fn checked_case(seed: u64) -> Option<(Spec, Trace, String)> {
+    let case = generate(seed, SIZE);
+    let spec = checked(&case).ok()?;
+    let trace = case.trace(&spec);
+    Some((spec, trace, case.text()))
 }
 
 enum Failure {

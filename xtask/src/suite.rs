@@ -151,6 +151,28 @@ pub fn run(case: &Case, folder: &Path) -> Vec<String> {
     wrong
 }
 
+/// The traces of a case on which verdicts are expected, each with the specification as it is checked against it.
+pub fn runs(case: &Case, folder: &Path) -> Vec<(checked::Spec, Trace)> {
+    let mut runs = Vec::new();
+    let mut last: Option<&Fence> = None;
+    for part in &case.parts {
+        match (part.info.as_str(), last) {
+            ("verdicts", Some(fence)) => runs.extend(run_of(case, fence, folder)),
+            ("verdicts" | "errors", _) => {}
+            _ => last = Some(part),
+        }
+    }
+    runs
+}
+
+fn run_of(case: &Case, fence: &Fence, folder: &Path) -> Option<(checked::Spec, Trace)> {
+    let path = write(fence, folder).ok()?;
+    let recording = lapwing_record::open(&path, lapwing_record::Options::default()).ok()?;
+    let spec = checked(&case.spec, &shape_of(&recording))?.spec;
+    let trace = trace(&spec, recording).ok()?;
+    Some((spec, trace))
+}
+
 fn place(case: &Case, line: usize) -> String {
     format!("{}:{line}: {}", case.file, case.heading)
 }

@@ -17,6 +17,7 @@ pub const LAYERS: &[(&str, &[&str], &[&str])] = &[
     ("engine", &["stream"], &["libm", "postcard", "serde"]),
     ("check", &["diag", "stream", "syntax", "engine"], &["strsim"]),
     ("reference", &["diag", "stream", "check"], &["libm"]),
+    ("codegen", &["diag", "stream", "engine", "check"], &[]),
     (
         "record",
         &["stream"],
@@ -54,8 +55,8 @@ pub const LAYERS: &[(&str, &[&str], &[&str])] = &[
     (
         "cli",
         &[
-            "diag", "draw", "stream", "syntax", "record", "sim", "ros", "react", "page", "bip", "genom", "import",
-            "lapwing",
+            "diag", "draw", "stream", "syntax", "codegen", "record", "sim", "ros", "react", "page", "bip", "genom",
+            "import", "lapwing",
         ],
         &["anstream", "clap", "ctrlc", "indicatif", "ratatui", "serde_json", "signal-hook", "strsim"],
     ),

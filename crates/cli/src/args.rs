@@ -57,6 +57,8 @@ pub enum Command {
     Bip(crate::bip::Bip),
     /// Writes a specification from a monitor of JavaMOP or a state diagram of Mermaid or SCXML
     Import(crate::import::Import),
+    /// Writes monitors as source text, for machines without room for Lapwing
+    Codegen(crate::codegen::Codegen),
     /// Says what a specification, or a diagnostic code, means
     Explain(Explain),
     /// Lays specifications out canonically, in place

@@ -11,6 +11,7 @@ mod library;
 mod backtest;
 mod bip;
 mod check;
+mod codegen;
 mod demo;
 mod explain;
 mod fmt;
@@ -49,6 +50,7 @@ fn main() -> ExitCode {
         Command::Genom(genom) => genom::run(&genom),
         Command::Bip(bip) => bip::run(&bip),
         Command::Import(import) => import::run(&import),
+        Command::Codegen(codegen) => codegen::run(&codegen),
         Command::Explain(explain) => explain::run(&explain),
         Command::Fmt(fmt) => fmt::run(&fmt),
         Command::New(new) => new::run(&new),

@@ -70,6 +70,7 @@ codes! {
     OverSignals Error "over-signals",
     Misplaced Error "misplaced",
     NotJudged Error "not-judged",
+    NotGenerated Error "not-generated",
     NoInitialState Error "no-initial-state",
     WorldSource Error "world-source",
     TooLarge Error "too-large",

@@ -15,7 +15,7 @@
 //!
 //! The monitor of one property can start afresh ([`reset`](State::reset)).
 //!
-//! A state can be written as bytes and read back ([`saved`]), and asked how a property stands so far ([`State::standing`]).
+//! A state can be written as bytes and read back, and so can a program ([`saved`]); a state can be asked how a property stands so far ([`State::standing`]).
 //!
 //! There is no I/O here, no clock, no thread, no randomness and no iteration in hash order: time comes with the sample, and
 //! [`State::next_deadline`] tells a live caller when to wake up. After warm-up a step does not allocate.
@@ -58,5 +58,5 @@ pub use feed::{Ending, State};
 pub use functions::{compare, numeric};
 pub use outcome::{Episode, Observer, Outcome, Output};
 pub use program::Program;
-pub use saved::NotResumed;
+pub use saved::{NotLoaded, NotResumed};
 pub use standing::Standing;

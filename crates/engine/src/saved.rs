@@ -13,6 +13,53 @@ use crate::program::Program;
 /// What the bytes begin with; its last byte is the version of the format.
 const MARK: [u8; 8] = *b"lapwing\x02";
 
+/// What the bytes of a program begin with; the last byte is the version of the format.
+const PROGRAM: [u8; 8] = *b"lw-prog\x01";
+
+/// Why a program cannot be loaded.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum NotLoaded {
+    /// These are not the bytes of a program, or of another version.
+    Unknown,
+    /// Something is missing or was altered.
+    Damaged,
+}
+
+impl fmt::Display for NotLoaded {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            NotLoaded::Unknown => "this is no program that this version saved",
+            NotLoaded::Damaged => "this program is damaged",
+        })
+    }
+}
+
+impl core::error::Error for NotLoaded {}
+
+impl Program {
+    /// The program as bytes.
+    pub fn save(&self) -> Vec<u8> {
+        // Writing to memory cannot fail: nothing in a program is without a length.
+        let body = postcard::to_allocvec(self).unwrap_or_default();
+        let mut bytes = PROGRAM.to_vec();
+        bytes.extend(Hash::of(&body).to_le_bytes());
+        bytes.extend(body);
+        bytes
+    }
+
+    /// The program that [`Program::save`] wrote, ready to run.
+    pub fn load(bytes: &[u8]) -> Result<Program, NotLoaded> {
+        let rest = bytes.strip_prefix(&PROGRAM).ok_or(NotLoaded::Unknown)?;
+        let (sum, body) = number(rest).ok_or(NotLoaded::Damaged)?;
+        if sum != Hash::of(body) {
+            return Err(NotLoaded::Damaged);
+        }
+        let mut program: Program = postcard::from_bytes(body).map_err(|_| NotLoaded::Damaged)?;
+        program.link();
+        Ok(program)
+    }
+}
+
 /// Why a state cannot be resumed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum NotResumed {

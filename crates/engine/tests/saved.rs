@@ -3,7 +3,8 @@
 
 mod support;
 
-use lapwing_engine::{Ending, NotResumed, Program, State};
+use lapwing_engine::saved::fingerprint;
+use lapwing_engine::{Ending, NotLoaded, NotResumed, Program, State};
 use lapwing_stream::{Sample, Time, Value, Verdict, What};
 
 fn program(text: &str) -> Program {
@@ -46,5 +47,25 @@ fn bytes_of_something_else_are_refused() {
         let mut altered = bytes.clone();
         altered[at] ^= 0x10;
         assert_eq!(resumed(&one, &altered), Err(NotResumed::Damaged), "altered at {at}");
+    }
+}
+
+#[test]
+fn a_program_is_the_same_once_it_is_loaded() {
+    let text = "whenever becomes p, eventually within 2 s q\nalways once within 3 s (p or delta(x) < 2)\nnever p and held for 1 s q\n";
+    let program = support::program(text, &["p", "q", "x"]);
+    let bytes = program.save();
+    let loaded = Program::load(&bytes).expect("its own bytes");
+    assert_eq!(fingerprint(&loaded), fingerprint(&program));
+    assert_eq!(loaded.save(), bytes);
+    let loads = |bytes: &[u8]| Program::load(bytes).map(|_| ());
+    assert_eq!(loads(b"something else entirely"), Err(NotLoaded::Unknown));
+    for cut in 8..bytes.len() {
+        assert_eq!(loads(&bytes[..cut]), Err(NotLoaded::Damaged), "cut at {cut}");
+    }
+    for at in 16..bytes.len() {
+        let mut altered = bytes.clone();
+        altered[at] ^= 0x10;
+        assert_eq!(loads(&altered), Err(NotLoaded::Damaged), "altered at {at}");
     }
 }

@@ -5,11 +5,12 @@ use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use lapwing_stream::Duration;
+use serde::{Deserialize, Serialize};
 
 use crate::program::{Bit, Bound, Compare, NodeId};
 
 /// The margin of one property.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     /// The property.
     pub property: usize,
@@ -27,7 +28,7 @@ pub struct Plan {
 pub type Reg = u32;
 
 /// A step of the code.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub enum Op {
     /// How far a comparison is from changing; where a side is no number, by its truth.
@@ -54,7 +55,7 @@ pub enum Op {
 }
 
 /// What is kept of every position.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub enum Column {
     /// A margin.
     Margin(Reg),
@@ -63,7 +64,7 @@ pub enum Column {
 }
 
 /// A formula over columns. An `x` or `y` that opens or closes segments is over truth values alone.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub enum Term {
     Column(usize),
@@ -100,7 +101,7 @@ pub enum Term {
 }
 
 /// Obligations in a segment; the margin of a property is the least of theirs. An `x` or `y` is a column of truth values.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub enum Duty {
     /// One at each position at this distance from the first.

@@ -4,6 +4,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use lapwing_stream::Duration;
+use serde::{Deserialize, Serialize};
 
 /// The number of a node.
 pub type NodeId = u32;
@@ -11,7 +12,7 @@ pub type NodeId = u32;
 pub type RegId = u32;
 
 /// The truth value in a register, or its negation.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug, Serialize, Deserialize)]
 pub struct Bit(u32);
 
 impl Bit {
@@ -53,7 +54,7 @@ impl core::ops::Not for Bit {
 }
 
 /// An expression without memory of its own. What it stands on has a smaller number.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub enum Node {
     Num(f64),
@@ -120,7 +121,7 @@ pub enum Node {
 }
 
 /// Arithmetic.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub enum Arith {
     Add,
@@ -130,7 +131,7 @@ pub enum Arith {
 }
 
 /// Comparisons.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub enum Compare {
     Eq,
@@ -142,7 +143,7 @@ pub enum Compare {
 }
 
 /// Functions of values; what each computes stands beside it in `functions`.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub enum Func {
     Abs,
@@ -173,7 +174,7 @@ pub enum Func {
 }
 
 /// A time bound: positions at a distance from `lo` to `hi`.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub struct Bound {
     pub lo: i64,
@@ -222,7 +223,7 @@ impl Bound {
 ///
 /// Formulas are flat code over truth values, so that each is computed once however many properties share it; only what stands inside
 /// a comparison or a function is a tree of [`Node`]s.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub enum Op {
     /// The truth of a signal: a boolean, or (`truth`) a number that is neither zero nor NaN.
@@ -258,7 +259,7 @@ pub enum Op {
 }
 
 /// Windows over the past.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub enum Window {
     Min,

@@ -2,12 +2,14 @@
 
 use alloc::vec::Vec;
 
+use serde::{Deserialize, Serialize};
+
 use super::Positions;
 use super::code::{Bit, Bound};
 use crate::margin::plan::Plan;
 
 /// Properties with the same positions.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Group {
     /// Their positions and expressions.
     pub at: Positions,
@@ -23,8 +25,10 @@ pub struct Group {
     pub margins: Vec<Plan>,
     /// Whether its positions need only be counted while none of its signals changes, until a bound runs out. [`Program::link`](super::Program::link)
     /// fills it.
+    #[serde(skip)]
     pub rests: bool,
     /// The operators whose truth values are verdicts, as bits, where it rests. [`Program::link`](super::Program::link) fills it.
+    #[serde(skip)]
     pub verdicts: u64,
 }
 
@@ -38,7 +42,7 @@ impl Group {
 /// The number of a context.
 pub type ContextId = u32;
 /// A future node, perhaps negated.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
 pub struct FutureRef {
     /// Its number.
     pub id: u32,
@@ -47,7 +51,7 @@ pub struct FutureRef {
 }
 
 /// A kind of segments, inside those of its parent.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
 pub struct Context {
     /// The context around it; itself for the whole trace.
     pub parent: ContextId,
@@ -56,7 +60,7 @@ pub struct Context {
 }
 
 /// How segments lie in those of the parent.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub enum ContextKind {
     /// The whole trace.
@@ -72,7 +76,7 @@ pub enum ContextKind {
 }
 
 /// A node of the graph of future operators: at each position of its context it becomes true or false, at once or later.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Future {
     /// The segments in which it stands.
     pub context: ContextId,
@@ -81,7 +85,7 @@ pub struct Future {
 }
 
 /// The kinds of future nodes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub enum FutureKind {
     /// Known at once.
@@ -121,7 +125,7 @@ pub enum FutureKind {
 }
 
 /// A formula evaluated from stored values: nodes by number, each standing on those before it; the last is the formula.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Replay {
     /// The formula.
     pub terms: Vec<Term>,
@@ -130,7 +134,7 @@ pub struct Replay {
 }
 
 /// A term of a [`Replay`].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub enum Term {
     Leaf(usize),
@@ -150,7 +154,7 @@ pub enum Term {
 }
 
 /// Where obligations arise, and what decides them.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tracker {
     /// The property, a number of [`Program::properties`](super::Program::properties).
     pub property: usize,
@@ -167,7 +171,7 @@ pub struct Tracker {
 }
 
 /// What an obligation asks.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub enum Judged {
     /// A state formula, decided on the spot.
     State(Bit),
@@ -176,7 +180,7 @@ pub enum Judged {
 }
 
 /// At which positions of its segments a tracker has obligations.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
 pub enum At {
     /// The first.
     First,
@@ -194,7 +198,7 @@ impl At {
 }
 
 /// Where a scope is looked at, and whether it was entered there: what vacuity counts.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Look {
     /// The segments in which it stands.
     pub context: ContextId,
@@ -208,7 +212,7 @@ pub struct Look {
 }
 
 /// The ways a position comes to be looked at.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub enum LookKind {
     /// Every position of a segment at this distance from its first.

@@ -12,9 +12,10 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use lapwing_stream::{Duration, Value};
+use serde::{Deserialize, Serialize};
 
 /// Where instants come from.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 pub enum Clock {
     /// Every sample that is read.
     #[default]
@@ -24,7 +25,7 @@ pub enum Clock {
 }
 
 /// A compiled specification.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Program {
     /// Which instants there are.
     pub clock: Clock,
@@ -38,6 +39,7 @@ pub struct Program {
     pub columns: Vec<Column>,
     /// For each column the letter that it makes, where all of the program is one automaton over rows of truth values; else there are none.
     /// [`Program::link`] fills it.
+    #[serde(skip)]
     pub letters: Vec<u32>,
     /// The objects of the ground truth.
     pub objects: Vec<Object>,
@@ -56,27 +58,29 @@ pub struct Program {
 }
 
 /// A signal.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Slot {
     /// Its value before the first sample.
     pub default: Option<Value>,
     /// What another value of it makes due. [`Program::link`] fills it.
+    #[serde(skip)]
     pub wakes: Vec<Wake>,
 }
 
 /// A cell of a row that fills a slot.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Column {
     /// The number of the cell.
     pub cell: usize,
     /// The slot.
     pub slot: usize,
     /// What another value of the slot makes due.
+    #[serde(skip)]
     pub wakes: Vec<Wake>,
 }
 
 /// A topic.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Topic {
     /// For every wanted field, the slots that it fills.
     pub fields: Vec<Vec<usize>>,
@@ -89,7 +93,7 @@ pub struct Topic {
 }
 
 /// An object of the ground truth and the slots that its parts fill: position 3, quaternion 4 (x, y, z, w), linear 3, angular 3.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Object {
     /// Its name.
     pub name: String,
@@ -100,7 +104,7 @@ pub struct Object {
 }
 
 /// Where an object's ground truth comes from: numbers of wanted fields.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub enum ObjectSource {
     ModelStates {
@@ -124,7 +128,7 @@ pub enum ObjectSource {
 }
 
 /// An event.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Event {
     /// For a message event, the wanted field of its topic that each of its fields is; else they come with the event.
     pub from_message: Option<Vec<usize>>,
@@ -135,7 +139,7 @@ pub struct Event {
 }
 
 /// The positions of a machine or of properties, and what is computed at them.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Positions {
     /// What must be defined before position 0, and so many instants before it.
     pub reads: Vec<(Read, usize)>,
@@ -150,11 +154,12 @@ pub struct Positions {
     /// The code, in the order of evaluation.
     pub ops: Vec<Op>,
     /// What makes each operator due, where that is kept account of. [`Program::link`] fills it.
+    #[serde(skip)]
     pub wiring: Option<Wiring>,
 }
 
 /// What a start waits for.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
 pub enum Read {
     /// A value of a slot.
     Slot(usize),
@@ -164,7 +169,7 @@ pub enum Read {
 
 /// After a message of the topic, the value of a comparison of its age differs from before at these distances, each at least a
 /// nanosecond, increasing.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AgeFlips {
     /// The topic.
     pub topic: usize,
@@ -173,7 +178,7 @@ pub struct AgeFlips {
 }
 
 /// `for each k of EVENT.field`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Slice {
     /// The event whose values make instances.
     pub event: usize,
@@ -184,7 +189,7 @@ pub struct Slice {
 }
 
 /// A machine.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Machine {
     /// Its positions and expressions.
     pub at: Positions,
@@ -203,7 +208,7 @@ pub struct Machine {
 }
 
 /// A state of a machine.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub struct MachineState {
     pub name: String,
@@ -217,7 +222,7 @@ pub struct MachineState {
 }
 
 /// An edge of a machine.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub struct Edge {
     pub from: usize,
@@ -227,7 +232,7 @@ pub struct Edge {
 }
 
 /// A property.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Property {
     /// Its name.
     pub name: String,
@@ -248,7 +253,7 @@ pub struct Property {
 }
 
 /// A silence that is too long.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct Silence {
     /// Of what: a topic, or a signal that comes in rows.
     pub of: Read,
@@ -259,7 +264,7 @@ pub struct Silence {
 }
 
 /// Who judges a property.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 pub enum Judge {
     /// Nobody can.
     #[default]

@@ -1,0 +1,186 @@
+//! What no monitor is generated for: found in the checked specification, where every formula has its place.
+
+use lapwing_check::checked::{Body, Bound, EventSource, Expr, Func, InputSource, Kind, Property, Scope, Spec};
+use lapwing_diag::{Code, Diagnostic, Span};
+use lapwing_stream::Type;
+
+/// Why a property cannot be generated, at its places. Empty where it can, as far as its text tells.
+pub(crate) fn refused(spec: &Spec, property: &Property) -> Vec<Diagnostic> {
+    let mut refusals = Refusals {
+        spec,
+        found: Vec::new(),
+        machines: vec![false; spec.machines.len()],
+        events: vec![false; spec.events.len()],
+    };
+    if let Some(problem) = &property.problem {
+        refusals.add(property.span, format!("this property cannot be judged: {problem}"), "");
+    }
+    if !property.slices.is_empty() {
+        refusals.add(
+            property.span,
+            "an instance for each value of an event would need memory of no fixed size",
+            "list the instances: `for each r in (robot1, robot2): …`",
+        );
+    }
+    property.alphabet.iter().flatten().for_each(|&event| refusals.event(event, property.span));
+    property.machines.iter().for_each(|&machine| refusals.machine(machine));
+    match &property.body {
+        Body::Formula(formula) => {
+            refusals.values(formula);
+            refusals.obligations(formula);
+        }
+        Body::Machine(machine) => refusals.machine(*machine),
+        Body::None => {}
+    }
+    refusals.found
+}
+
+/// A refusal, as it is reported.
+pub(crate) fn refusal(span: Span, message: impl Into<String>, help: &str) -> Diagnostic {
+    let diagnostic = Diagnostic::new(Code::NotGenerated, span, message);
+    if help.is_empty() { diagnostic } else { diagnostic.help(help) }
+}
+
+struct Refusals<'s> {
+    spec: &'s Spec,
+    found: Vec<Diagnostic>,
+    /// The machines that were looked through.
+    machines: Vec<bool>,
+    /// The events that were.
+    events: Vec<bool>,
+}
+
+impl Refusals<'_> {
+    fn add(&mut self, span: Span, message: impl Into<String>, help: &str) {
+        let diagnostic = refusal(span, message, help);
+        if !self.found.contains(&diagnostic) {
+            self.found.push(diagnostic);
+        }
+    }
+
+    fn machine(&mut self, machine: usize) {
+        if std::mem::replace(&mut self.machines[machine], true) {
+            return;
+        }
+        let spec = self.spec;
+        let plan = &spec.machines[machine];
+        plan.conditions().for_each(|e| self.values(e));
+        let place = plan.conditions().next().map(|e| e.span).or(spec.properties.first().map(|p| p.span));
+        let on = plan.states.iter().filter_map(|s| s.on).chain(plan.edges.iter().filter_map(|e| e.on));
+        if let Some(place) = place {
+            on.for_each(|event| self.event(event, place));
+        }
+    }
+
+    fn event(&mut self, event: usize, place: Span) {
+        if std::mem::replace(&mut self.events[event], true) {
+            return;
+        }
+        let spec = self.spec;
+        match spec.events[event].source {
+            EventSource::Entered { machine, .. } | EventSource::Left { machine, .. } => self.machine(machine),
+            _ => {}
+        }
+        if spec.events[event].fields.iter().any(|f| is_structured(&f.ty)) {
+            self.add(place, "an event whose fields are arrays or messages", ARRAYS);
+        }
+        spec.events[event].when.iter().for_each(|when| self.values(when));
+    }
+
+    /// Values of kinds that generated code does not have, anywhere in an expression.
+    fn values(&mut self, e: &Expr) {
+        let spec = self.spec;
+        match &e.kind {
+            Kind::Input(i) => {
+                if let InputSource::World { .. } = spec.inputs[*i].source {
+                    let message =
+                        "ground truth is worked out from messages of the simulator, which generated code does not read";
+                    self.add(
+                        e.span,
+                        message,
+                        "declare what it stands for as a signal of its own: `decl distance /distance Float64.data`",
+                    );
+                } else if is_structured(&spec.inputs[*i].ty) {
+                    self.add(e.span, "arrays and messages are not among the inputs of generated code", ARRAYS);
+                }
+            }
+            Kind::Field(..) | Kind::Index(..) | Kind::Quantified { .. } | Kind::Var(_) => {
+                self.add(e.span, "arrays and messages are not among the inputs of generated code", ARRAYS);
+                return;
+            }
+            Kind::Call(Func::Len | Func::MinOf | Func::MaxOf | Func::Lookup | Func::IntoBody, _) => {
+                self.add(e.span, "this function needs an array or a text, which generated code does not have", ARRAYS);
+                return;
+            }
+            Kind::Call(Func::StartsWith | Func::EndsWith | Func::Contains, _) => {
+                let message = "generated code knows a text by a number, and cannot look into it";
+                self.add(e.span, message, "compare whole texts by `==`");
+                return;
+            }
+            Kind::Param(_) => self.add(e.span, "the value of an instance is not known beforehand", ""),
+            Kind::Age(_) | Kind::Frequency(..) => {
+                let message = "`age` and `frequency` change between messages, and generated code has no instants there";
+                self.add(e.span, message, "say `stale after 500 ms` in the `decl`, or declare the age as a signal");
+            }
+            Kind::Event(event) | Kind::EventField { event, .. } => self.event(*event, e.span),
+            Kind::InState { machine, .. } => self.machine(*machine),
+            _ => {}
+        }
+        e.children().into_iter().for_each(|c| self.values(c));
+    }
+
+    /// The way in which obligations split a formula, to find bounds that do not begin where an obligation begins.
+    fn obligations(&mut self, f: &Expr) {
+        match &f.kind {
+            _ if !f.has_future() => {}
+            Kind::Always(_, body) => self.future(body, true),
+            Kind::Connective(lapwing_check::checked::Connective::And, l, r) => {
+                self.obligations(l);
+                self.obligations(r);
+            }
+            Kind::Scope(Scope::Whenever, x, body) => [x, body].into_iter().for_each(|e| self.future(e, true)),
+            Kind::Scope(_, x, body) if !x.has_future() => self.obligations(body),
+            Kind::AfterUntil(x, y, body) if !x.has_future() && !y.has_future() => self.obligations(body),
+            _ => self.future(f, true),
+        }
+    }
+
+    /// `at_begin` where the formula is asked at the position at which its obligation begins, and there alone.
+    fn future(&mut self, e: &Expr, at_begin: bool) {
+        if !e.has_future() {
+            return;
+        }
+        let goes_on = match &e.kind {
+            Kind::Not(_) | Kind::Connective(..) => at_begin,
+            Kind::Always(bound, _) | Kind::Eventually(bound, _) | Kind::Until(bound, ..) => {
+                if *bound != Bound::ALL && !at_begin {
+                    let message = "a bound below another operator of the future would need a clock for each position";
+                    self.add(e.span, message, "give the inner formula a property of its own");
+                }
+                false
+            }
+            Kind::Scope(scope, x, _) if *scope != Scope::Whenever && x.has_future() => {
+                self.opens_late(e);
+                false
+            }
+            Kind::AfterUntil(x, y, _) if x.has_future() || y.has_future() => {
+                self.opens_late(e);
+                false
+            }
+            _ => false,
+        };
+        e.children().into_iter().for_each(|c| self.future(c, goes_on));
+    }
+
+    fn opens_late(&mut self, e: &Expr) {
+        let message =
+            "a scope that opens or closes on a formula about the future would have to remember what was before";
+        self.add(e.span, message, "open it on something that is known at once");
+    }
+}
+
+const ARRAYS: &str = "declare the field or element that is wanted: `decl front /scan LaserScan.ranges[0]`";
+
+fn is_structured(ty: &Type) -> bool {
+    matches!(ty, Type::Array(_) | Type::Message(_))
+}

@@ -1,0 +1,219 @@
+//! What is generated, and what is refused. That generated monitors say what the engine says is held by `xtask/tests/codegen.rs`.
+
+use std::process::Command;
+
+use lapwing_check::checked::Spec;
+use lapwing_check::{check, load};
+use lapwing_codegen::{CAPACITY, Generated, Language, Options, generate};
+use lapwing_diag::{Diagnostic, SourceMap};
+
+fn spec(text: &str) -> (SourceMap, Spec) {
+    let mut sources = SourceMap::default();
+    let file = sources.add("robot.rv", text);
+    let loaded = load(&mut sources, lapwing_syntax::parse(file, text).file, &|_| None);
+    let checked = check(&sources, &loaded, None);
+    assert!(!checked.has_errors(), "{text}: {:?}", checked.diagnostics);
+    (sources, checked.spec)
+}
+
+fn options(language: Language) -> Options {
+    Options { language, name: "robot".to_owned(), capacity: CAPACITY, properties: Vec::new() }
+}
+
+fn generated(text: &str, language: Language) -> Generated {
+    generate(&spec(text).1, "robot.rv", &options(language)).unwrap_or_else(|why| panic!("{text}: {why:?}"))
+}
+
+/// What is refused of a specification: the source text of each, and the message.
+fn refused(text: &str) -> Vec<(String, String)> {
+    let (sources, spec) = spec(text);
+    let Err(found) = generate(&spec, "robot.rv", &options(Language::C)) else { return Vec::new() };
+    let one = |d: &Diagnostic| {
+        assert_eq!(d.code.name(), "not-generated");
+        (sources.slice(d.primary.span).to_owned(), d.message.clone())
+    };
+    found.iter().map(one).collect()
+}
+
+const SPEC: &str = "\
+decl speed /odom Odometry.twist.twist.linear.x
+decl mode /mode String.data default \"auto\"
+decl estop /estop Bool.data stale after 2 s
+event kick
+limit = 2.0 * 1.5
+never speed > limit
+whenever mode == \"hand\", eventually within 2 s (speed < 0.1)
+property shots over (kick): always once kick
+always norm(speed, delta(speed)) < 10 and not estop
+always once within [1 s, 3 s] (speed >= 0)
+";
+
+#[test]
+fn members_are_named_after_signals_and_events() {
+    let interface = generated(SPEC, Language::C).interface;
+    let names: Vec<_> = interface.members.iter().map(|m| (m.name.as_str(), m.has.as_deref())).collect();
+    let expected = [
+        ("speed", Some("has_speed")),
+        ("mode", Some("has_mode")),
+        ("estop", Some("has_estop")),
+        ("kick", None),
+        ("got_estop", None),
+    ];
+    assert_eq!(names, expected);
+    assert_eq!(interface.texts.iter().map(|t| t.name.as_str()).collect::<Vec<_>>(), ["TEXT_HAND", "TEXT_AUTO"]);
+    assert_eq!(interface.properties.len(), 5);
+}
+
+#[test]
+fn rust_is_a_module_for_crates_without_a_standard_library() {
+    let generated = generated(SPEC, Language::Rust);
+    let [(name, text)] = generated.files.as_slice() else { panic!("one file") };
+    assert_eq!(name, "robot.rs");
+    assert!(!text.contains("unsafe") && !text.contains("std::") && !text.contains("alloc::"), "{text}");
+    let folder = tempfile::tempdir().expect("a folder to compile in");
+    std::fs::write(folder.path().join(name), text).expect("the module");
+    let root = "#![no_std]\n#![forbid(unsafe_code)]\n#![deny(warnings)]\npub mod robot;\n";
+    std::fs::write(folder.path().join("lib.rs"), root).expect("the crate");
+    let mut rustc = Command::new(std::env::var("RUSTC").unwrap_or_else(|_| "rustc".to_owned()));
+    rustc.args(["--edition", "2021", "--crate-type", "rlib", "--emit", "metadata", "-o"]);
+    let output = rustc.arg(folder.path().join("robot.rmeta")).arg(folder.path().join("lib.rs")).output();
+    let output = output.expect("rustc runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn the_square_root_that_rust_is_given_rounds_as_the_machine_does() {
+    let generated = generated("always sqrt(x) == y and norm(x, y) >= 0\n", Language::Rust);
+    assert_eq!(generated.interface.needs_libm, (false, true));
+    let folder = tempfile::tempdir().expect("a folder to compile in");
+    std::fs::write(folder.path().join("robot.rs"), &generated.files[0].1).expect("the module");
+    let main = "\
+mod robot;
+fn main() {
+    let mut monitor = robot::Monitor::new();
+    let mut step = |x: f64| {
+        let y = x.sqrt();
+        monitor.step(0, &robot::Inputs { x, has_x: true, y, has_y: true });
+    };
+    let few = [0.0, f64::MIN_POSITIVE, f64::MAX, f64::INFINITY, 5e-324, 4.0, 2.0, 1.0 + f64::EPSILON, 0.25];
+    few.into_iter().for_each(&mut step);
+    // Xorshift (Marsaglia, 2003).
+    let mut bits = 0x9e37_79b9_7f4a_7c15_u64;
+    for _ in 0..200_000 {
+        bits ^= bits << 13;
+        bits ^= bits >> 7;
+        bits ^= bits << 17;
+        let x = f64::from_bits(bits >> 1);
+        if !x.is_nan() {
+            step(x);
+        }
+    }
+    let outcome = { monitor.end(); monitor.outcome(0).unwrap() };
+    println!(\"{} {}\", outcome.failed, outcome.met > 190_000);
+}
+";
+    std::fs::write(folder.path().join("main.rs"), main).expect("the program");
+    let mut rustc = Command::new(std::env::var("RUSTC").unwrap_or_else(|_| "rustc".to_owned()));
+    rustc.current_dir(folder.path()).args([
+        "--edition",
+        "2024",
+        "-C",
+        "overflow-checks=on",
+        "-A",
+        "dead_code",
+        "-o",
+        "main",
+        "main.rs",
+    ]);
+    let output = rustc.output().expect("rustc runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let output = Command::new(folder.path().join("main")).output().expect("it runs");
+    assert_eq!(String::from_utf8_lossy(&output.stdout), "0 true\n", "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// Runs a C program that drives a monitor, and gives what it prints.
+fn run_c(text: &str, capacity: usize, main: &str) -> String {
+    let options = Options { capacity, ..options(Language::C) };
+    let generated = generate(&spec(text).1, "robot.rv", &options).expect("a monitor");
+    let folder = tempfile::tempdir().expect("a folder to compile in");
+    for (name, text) in &generated.files {
+        std::fs::write(folder.path().join(name), text).expect("a file");
+    }
+    let main = format!("#include <stdio.h>\n#include \"robot.h\"\nint main(void) {{\n{main}\nreturn 0;\n}}\n");
+    std::fs::write(folder.path().join("main.c"), main).expect("a file");
+    let mut cc = Command::new("cc");
+    cc.current_dir(folder.path()).args(["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-o", "main"]);
+    let output = cc.args(["main.c", "robot.c", "-lm"]).output().expect("cc runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let output = Command::new(folder.path().join("main")).output().expect("it runs");
+    assert!(output.status.success());
+    String::from_utf8(output.stdout).expect("text")
+}
+
+const SAY: &str = "
+    robot_end(&m);
+    robot_outcome o = robot_get(&m, 0);
+    printf(\"%d %d %d %d\", o.verdict, o.cause, (int)o.failed, (int)o.open);
+";
+
+#[test]
+fn more_obligations_than_there_is_room_for_are_told() {
+    let text = "whenever p, eventually within 10 s q\n";
+    let main = |last: &str| {
+        format!(
+            "static robot_monitor m; robot_init(&m);
+            for (int i = 0; i < 6; i++) {{
+                robot_inputs in = {{.p = true, .has_p = true, .q = false, .has_q = true}};
+                robot_step(&m, i * INT64_C(1000000000), &in);
+            }}
+            {last}{SAY}"
+        )
+    };
+    // Inconclusive for want of room; with room they are open; and what failed has failed.
+    assert_eq!(run_c(text, 4, &main("")), "1 3 0 4");
+    assert_eq!(run_c(text, 8, &main("")), "3 0 0 6");
+    assert_eq!(run_c(text, 4, &main("robot_advance(&m, INT64_C(12000000000));")), "0 0 2 2");
+}
+
+#[test]
+fn time_that_jumps_back_starts_everything_anew() {
+    let main = format!(
+        "static robot_monitor m; robot_init(&m);
+        robot_inputs in = {{.p = true, .has_p = true}};
+        robot_step(&m, 5, &in);
+        robot_step(&m, 1, &in);{SAY}"
+    );
+    assert_eq!(run_c("eventually not p\n", 4, &main), "1 4 0 2");
+}
+
+#[test]
+fn what_would_need_more_than_one_fixed_size_is_refused_at_its_place() {
+    let of = |text: &str| refused(text).into_iter().map(|(source, _)| source).collect::<Vec<_>>();
+    assert_eq!(of("decl r /scan LaserScan.ranges\nnever min(r) < 0.3\n"), ["min(r)"]);
+    assert_eq!(of("decl x /x Float64.data\nalways age(/x) < 0.5\nnever x > 2\n"), ["age(/x)"]);
+    assert_eq!(
+        of("event kick\nfor each r in (a, b): never r > 1\nfor each k of kick.robot: eventually kick\n").len(),
+        1
+    );
+    let nested = "whenever p, always within 2 s eventually within 1 s q\n";
+    assert_eq!(of(nested), ["eventually within 1 s q"]);
+    assert_eq!(of("after (eventually p), always q\n"), ["after (eventually p), always q"]);
+    assert_eq!(of("decl name /name String.data\nnever starts_with(name, \"x\")\n"), ["starts_with(name, \"x\")"]);
+    assert_eq!(of("decl a /a String.data\ndecl b /b String.data\nnever a == b\nnever a == \"x\"\n").len(), 1);
+}
+
+#[test]
+fn hostile_names_make_no_hostile_code() {
+    let text =
+        "decl `int` /int Float64.data\nproperty `*/ oops`: always `int` > 0\nproperty `b\\\\`: never `int` > 9\n";
+    let (_, spec) = spec(text);
+    let title = "a\n#error */ \\";
+    for language in [Language::Rust, Language::C] {
+        let generated = generate(&spec, title, &options(language)).expect("monitors");
+        for (name, text) in &generated.files {
+            assert!(!text.lines().any(|line| line.starts_with('#') && line.contains("error")), "{text}");
+            let comments = if name.ends_with(".h") { text.matches("/*").count() } else { 0 };
+            assert!(comments == 0 || text.matches("*/").count() == comments, "{text}");
+        }
+    }
+}

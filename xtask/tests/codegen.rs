@@ -1,0 +1,58 @@
+//! Generated monitors, in Rust and in C, say what the engine says: on the suite, and on specifications and traces at random. More of them:
+//! `cargo run -p xtask -- codegen`.
+
+use std::path::Path;
+
+use xtask::codegen::{Case, Count, Target, agree};
+use xtask::suite::{cases, pages, runs};
+
+const HERE: [Target; 2] = [Target::Rust, Target::C];
+
+/// Compares in batches that a compiler takes well.
+fn compare(cases: &[Case], targets: &[Target]) -> Count {
+    let mut count = Count::default();
+    let mut wrong = Vec::new();
+    for batch in cases.chunks(200) {
+        let folder = tempfile::tempdir().expect("a folder to compile in");
+        let (batch, differ) = agree(batch, targets, folder.path()).expect("monitors that compile and run");
+        count.compared += batch.compared;
+        count.refused += batch.refused;
+        count.unfit += batch.unfit;
+        wrong.extend(differ);
+    }
+    let first: Vec<&String> = wrong.iter().take(4).collect();
+    assert!(wrong.is_empty(), "{} differ of {count:?}:\n{first:#?}", wrong.len());
+    count
+}
+
+#[test]
+fn they_agree_on_the_suite() {
+    let folder = tempfile::tempdir().expect("a folder to write traces to");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../suite");
+    let mut all = Vec::new();
+    for page in pages(&root) {
+        let text = std::fs::read_to_string(&page).expect("a page that can be read");
+        for case in cases(&page.to_string_lossy(), &text) {
+            let label = format!("{}:{}: {}\n{}", case.file, case.line, case.heading, case.spec);
+            all.extend(runs(&case, folder.path()).into_iter().map(|(spec, trace)| Case {
+                label: label.clone(),
+                spec,
+                trace,
+            }));
+        }
+    }
+    let count = compare(&all, &HERE);
+    println!("of the suite: {count:?}");
+    assert!(count.compared >= 600, "{count:?}");
+}
+
+/// How many specifications at random are compared.
+const CASES: u64 = 240;
+
+#[test]
+fn they_agree_on_specifications_at_random() {
+    let all: Vec<Case> = (1..=CASES).filter_map(Case::at_random).collect();
+    let count = compare(&all, &HERE);
+    println!("at random: {count:?}");
+    assert!(count.compared >= 2 * CASES as usize, "{count:?}");
+}
