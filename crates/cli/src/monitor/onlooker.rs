@@ -135,6 +135,7 @@ impl Watch for Looker {
     fn event(&mut self, event: Event<'_>) {
         if let Event::Start(report) = event {
             self.source.clone_from(&report.trace);
+            self.board.iter().for_each(Board::begin);
             self.lines = Lines::new(now(), self.styles.0);
             if self.wants_screen && self.screen.is_none() {
                 match Screen::open() {
@@ -172,6 +173,10 @@ impl Onlooker for Looker {
 
     fn pause(&self) -> Option<Duration> {
         (self.screen.is_some() || self.board.is_some()).then_some(PAUSE)
+    }
+
+    fn draws(&self) -> bool {
+        self.board.is_some()
     }
 
     fn look(&mut self, view: &View) {

@@ -7,5 +7,6 @@
 mod graph;
 mod guarding;
 mod lapwing;
+mod page;
 mod watching;
 mod words;

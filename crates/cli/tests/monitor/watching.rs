@@ -109,7 +109,7 @@ fn specifications_are_read_again_and_how_things_stand_is_shown() {
     let metrics = get(port, "/metrics");
     assert!(metrics.contains("lapwing_property_state{property=\"calm\",file=\"robot.rv\"} 0"), "{metrics}");
     assert!(metrics.contains("lapwing_topic_publishers{topic=\"/speed\"} 1"), "{metrics}");
-    assert!(get(port, "/").contains("<!doctype html>"));
+    assert!(get(port, "/").contains("<!DOCTYPE html>"));
 
     std::fs::write(lapwing.folder.path().join("robot.rv"), "decl speed /speed Float64.data\nnever speed >\n").unwrap();
     lapwing.signal("HUP");
