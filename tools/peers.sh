@@ -8,14 +8,14 @@ set -eu
 
 cd "$(dirname "$0")/.."
 
-python_packages='rosbags==0.11.* mcap mcap-ros2-support protobuf'
+python_packages='rosbags==0.11.* mcap mcap-ros2-support protobuf websockets'
 ros1_packages='ros-core python3-rosbag python3-genpy python3-rospy python3-rosmaster python3-rostopic python3-std-msgs python3-geometry-msgs python3-nav-msgs
     python3-sensor-msgs python3-std-srvs python3-actionlib-msgs python3-diagnostic-msgs python3-rosgraph-msgs python3-tf2-msgs python3-trajectory-msgs'
 
 if [ ! -x .venv/bin/python ]; then
     python3 -m venv .venv
 fi
-if ! .venv/bin/python -c 'import rosbags.rosbag2, rosbags.rosbag1, mcap.writer, mcap_ros2.writer, google.protobuf.message_factory' 2>/dev/null; then
+if ! .venv/bin/python -c 'import rosbags.rosbag2, rosbags.rosbag1, mcap.writer, mcap_ros2.writer, google.protobuf.message_factory, websockets.sync.client' 2>/dev/null; then
     # shellcheck disable=SC2086  # one word per package is meant
     .venv/bin/pip install --quiet $python_packages
 fi

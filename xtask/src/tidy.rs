@@ -53,7 +53,7 @@ pub const LAYERS: &[(&str, &[&str], &[&str])] = &[
     (
         "cli",
         &["diag", "draw", "stream", "syntax", "record", "sim", "ros", "react", "page", "bip", "genom", "lapwing"],
-        &["anstream", "clap", "ctrlc", "indicatif", "ratatui", "serde_json", "signal-hook", "strsim"],
+        &["anstream", "clap", "ctrlc", "foxglove", "indicatif", "ratatui", "serde_json", "signal-hook", "strsim"],
     ),
 ];
 

@@ -64,7 +64,7 @@ impl Server {
 }
 
 /// `8080`, `:8080` and `127.0.0.1:8080`; other machines only where an address says so.
-fn address(text: &str) -> Result<SocketAddr, String> {
+pub fn address(text: &str) -> Result<SocketAddr, String> {
     let here = |port: u16| SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port);
     if let Ok(port) = text.trim_start_matches(':').parse::<u16>() {
         return Ok(here(port));
