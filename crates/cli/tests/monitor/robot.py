@@ -9,6 +9,8 @@
     hear TOPIC           prints `heard TOPIC NUMBER` for every number that comes
     diagnose             prints `diagnosed NAME LEVEL` for every status on /diagnostics
     serve SERVICE        answers std_srvs/Trigger, and prints `called SERVICE`
+    introspect SERVICE   tells the graph of every call of it from now on (ROS 2)
+    call SERVICE         calls it, and waits for the answer (ROS 2)
 
 It answers each line with `done`, and ends with its input: so it does not outlive its test.
 """
@@ -58,6 +60,7 @@ class Ros2:
 
         self.number, self.text, self.diagnostics, self.trigger = Float64, String, DiagnosticArray, Trigger
         rclpy.init()
+        self.services = {}
         self.node = rclpy.create_node("robot")
         threading.Thread(target=rclpy.spin, args=(self.node,), daemon=True).start()
 
@@ -76,7 +79,20 @@ class Ros2:
             response.success, response.message = True, "halted"
             return response
 
-        self.node.create_service(self.trigger, service, answer)
+        self.services[service] = self.node.create_service(self.trigger, service, answer)
+
+    def introspect(self, service):
+        from rclpy.qos import qos_profile_system_default
+        from rclpy.service_introspection import ServiceIntrospectionState
+
+        contents = ServiceIntrospectionState.CONTENTS
+        self.services[service].configure_introspection(self.node.get_clock(), qos_profile_system_default, contents)
+
+    def call(self, service):
+        client = self.node.create_client(self.trigger, service)
+        client.wait_for_service()
+        client.call(self.trigger.Request())
+        self.node.destroy_client(client)
 
 
 def level(status):
@@ -107,6 +123,10 @@ def main():
             robot.subscribe("/diagnostics", robot.diagnostics, heard)
         elif word == "serve":
             robot.serve(topic, lambda topic=topic: say("called", topic))
+        elif word == "introspect":
+            robot.introspect(topic)
+        elif word == "call":
+            robot.call(topic)
         say("done")
 
 

@@ -97,6 +97,47 @@ fn silence_is_told_and_the_recording_agrees_on_ros2() {
     is_never_silent_and_agrees(&Graph::ros2());
 }
 
+const CALLS: &str = "\
+event asked = request /halt
+event answered = reply /halt
+event obeyed = reply /halt when success
+prompt: whenever asked, eventually within 20 s answered
+stubborn: never obeyed
+";
+
+/// A service of which the node tells the graph: its halves are events, live and on the recording.
+#[test]
+fn calls_of_a_service_are_events_on_ros2() {
+    let graph = Graph::ros2();
+    let mut robot = graph.robot();
+    robot.does("serve /halt");
+    robot.does("introspect /halt");
+    let lapwing = Lapwing::watches(&graph, CALLS, "--format ndjson --record run.mcap --quiet");
+    lapwing.says("\"type\":\"start\"");
+    // What was called before Lapwing had found the topic is not told again.
+    let violation = loop {
+        robot.does("call /halt");
+        if let Some(line) = lapwing.says_within("\"type\":\"violation\"", Duration::from_millis(300)) {
+            break line;
+        }
+    };
+    assert!(violation.contains("\"stubborn\""), "{violation}");
+    let ended = lapwing.ends_by("INT");
+    let verdicts: Vec<serde_json::Value> = ended
+        .stdout
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .filter(|l: &serde_json::Value| l["type"] == "verdict")
+        .collect();
+    assert_eq!([&verdicts[0]["verdict"], &verdicts[1]["verdict"]], ["holds", "violated"], "{}", ended.stdout);
+    let checked = ended.checked(&serde_json::Value::Null);
+    for (number, live) in verdicts.iter().enumerate() {
+        for key in ["verdict", "obligations", "violations"] {
+            assert_eq!(checked["properties"][number][key], live[key], "{number}: {key}");
+        }
+    }
+}
+
 #[test]
 fn specifications_are_read_again_and_how_things_stand_is_shown() {
     let graph = Graph::ros1();
