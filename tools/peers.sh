@@ -28,4 +28,11 @@ if ! /usr/bin/python3 -c "import $ros1_modules" 2>/dev/null; then
     DEBIAN_FRONTEND=noninteractive $run apt-get install -y -qq --no-install-recommends $ros1_packages >/dev/null
 fi
 
+# Network namespaces with a cable that can be pulled.
+if ! command -v ip >/dev/null 2>&1; then
+    if [ "$(id -u)" -eq 0 ]; then run=; else run=sudo; fi
+    $run apt-get update -qq
+    DEBIAN_FRONTEND=noninteractive $run apt-get install -y -qq --no-install-recommends iproute2 >/dev/null
+fi
+
 echo "peers are ready: .venv, and rosbag and rospy of /usr/bin/python3"

@@ -75,6 +75,8 @@ fn what_does_not_go_together_is_said() {
     for (arguments, says) in [
         (&["sim", "docking", "--outside"][..], "add --ros1 or --ros2"),
         (&["sim", "docking", "--ros1", "--check", "x.rv"], "`lapwing monitor`"),
+        (&["sim", "docking", "--speed", "2"], "add --ros1 or --ros2"),
+        (&["sim", "docking", "--ros1", "--speed", "0"], "from 0.01 to 1000"),
         (&["sim", "docking", "--ros1", "http://:"], "no address"),
     ] {
         let done = lapwing(arguments).output().unwrap();

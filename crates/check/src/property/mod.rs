@@ -164,7 +164,9 @@ fn slices(cx: &mut Cx, slices: &[(String, usize, crate::checked::Path)], uses: &
         let mut events = uses.events.clone();
         events.insert(*event);
         let fields = events.into_iter().filter_map(|e| Some((e, field_of(cx, e, path)?))).collect();
-        built.push(Slice { event: *event, field: path.clone(), fields });
+        let mut field = cx.event_place(*event, Span::default()).path;
+        field.extend_from_slice(path);
+        built.push(Slice { event: *event, field, fields });
     }
     built
 }

@@ -44,9 +44,9 @@ pub fn run(sim: &Sim, scenario: &Scenario, mut graph: Box<dyn Connector>) -> Res
     interrupt::listen();
     node.greet(scenario.name(), &simulation);
     node.await_commands(&mut simulation);
-    let (begin, mut latest) = (Instant::now(), Duration::ZERO);
+    let (begin, mut latest, speed) = (Instant::now(), Duration::ZERO, sim.speed.unwrap_or(1.0));
     while let Some((time, topic)) = simulation.advance() {
-        let due = begin + Duration::from_secs_f64(simulation.seconds());
+        let due = begin + Duration::from_secs_f64(simulation.seconds() / speed);
         if !node.listen(due, &mut simulation) {
             break;
         }
