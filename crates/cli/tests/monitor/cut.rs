@@ -57,6 +57,19 @@ impl Cable {
         ip(&["-n", &self.theirs, "route", "replace", "224.0.0.0/4", "dev", "cable"]).unwrap();
     }
 
+    /// Waits until the master can be reached from this side.
+    fn wait_for(&self, port: u16) {
+        let reach = format!("import socket; socket.create_connection(('{THEIRS}', {port}), 1)");
+        let begin = std::time::Instant::now();
+        loop {
+            let mut python = self.command(&self.ours, Path::new("/usr/bin/python3"), OURS, port);
+            if python.args(["-c", &reach]).output().unwrap().status.success() {
+                return;
+            }
+            assert!(begin.elapsed() < crate::graph::LIMIT, "the master does not come up");
+        }
+    }
+
     /// A command in one of the namespaces.
     fn command(&self, space: &str, program: &Path, address: &str, master: u16) -> Command {
         let mut command = Command::new("ip");
@@ -95,7 +108,9 @@ fn survives_a_cut(number: u8, word: &str, told: &str) {
     let _master = (word == "ros1").then(|| {
         let mut master = cable.command(&cable.theirs, Path::new("rosmaster"), THEIRS, port);
         master.args(["--core", "-p", &port.to_string()]);
-        Process::start(master, "tools/peers.sh")
+        let master = Process::start(master, "tools/peers.sh");
+        cable.wait_for(port);
+        master
     });
     let python = if word == "ros1" { PathBuf::from("/usr/bin/python3") } else { root.join(".venv-jazzy/bin/python") };
     let mut robot = cable.command(&cable.theirs, &python, THEIRS, port);
@@ -109,6 +124,7 @@ fn survives_a_cut(number: u8, word: &str, told: &str) {
     let clock = format!("monitor robot.rv --{word} --format ndjson --quiet --clock wall --record run.mcap");
     lapwing.args(clock.split_whitespace()).current_dir(folder.path());
     let mut lapwing = Process::start(lapwing, "cargo build");
+    lapwing.line_with("/speed cannot be seen: nobody publishes it");
     robot.write("offer /speed");
     robot.line_with("done");
     says_until(&mut robot, &lapwing, "/speed is published again");
@@ -144,7 +160,10 @@ fn speak(robot: &mut Process) {
 fn says_until(robot: &mut Process, lapwing: &Process, text: &str) {
     let begin = std::time::Instant::now();
     while lapwing.line_within(text, Duration::from_millis(50)).is_none() {
-        assert!(begin.elapsed() < crate::graph::LIMIT, "never `{text}`");
+        if begin.elapsed() > crate::graph::LIMIT {
+            lapwing.signal("INT");
+            panic!("never `{text}`:\n{}", lapwing.rest().join("\n"));
+        }
         speak(robot);
     }
 }
