@@ -8,6 +8,7 @@ mod cut;
 #[cfg(feature = "foxglove")]
 mod foxglove;
 mod graph;
+mod habits;
 mod guarding;
 mod lapwing;
 mod page;
