@@ -8,8 +8,8 @@ mod cut;
 #[cfg(feature = "foxglove")]
 mod foxglove;
 mod graph;
-mod habits;
 mod guarding;
+mod habits;
 mod lapwing;
 mod page;
 mod watching;
