@@ -8,14 +8,14 @@ set -eu
 
 cd "$(dirname "$0")/.."
 
-python_packages='rosbags==0.11.* mcap mcap-ros2-support protobuf'
+python_packages='rosbags==0.11.* mcap mcap-ros2-support protobuf websockets'
 ros1_packages='ros-core python3-rosbag python3-genpy python3-rospy python3-rosmaster python3-rostopic python3-std-msgs python3-geometry-msgs python3-nav-msgs
     python3-sensor-msgs python3-std-srvs python3-actionlib-msgs python3-diagnostic-msgs python3-rosgraph-msgs python3-tf2-msgs python3-trajectory-msgs'
 
 if [ ! -x .venv/bin/python ]; then
     python3 -m venv .venv
 fi
-if ! .venv/bin/python -c 'import rosbags.rosbag2, rosbags.rosbag1, mcap.writer, mcap_ros2.writer, google.protobuf.message_factory' 2>/dev/null; then
+if ! .venv/bin/python -c 'import rosbags.rosbag2, rosbags.rosbag1, mcap.writer, mcap_ros2.writer, google.protobuf.message_factory, websockets.sync.client' 2>/dev/null; then
     # shellcheck disable=SC2086  # one word per package is meant
     .venv/bin/pip install --quiet $python_packages
 fi
@@ -26,6 +26,13 @@ if ! /usr/bin/python3 -c "import $ros1_modules" 2>/dev/null; then
     $run apt-get update -qq
     # shellcheck disable=SC2086
     DEBIAN_FRONTEND=noninteractive $run apt-get install -y -qq --no-install-recommends $ros1_packages >/dev/null
+fi
+
+# Network namespaces with a cable that can be pulled.
+if ! command -v ip >/dev/null 2>&1; then
+    if [ "$(id -u)" -eq 0 ]; then run=; else run=sudo; fi
+    $run apt-get update -qq
+    DEBIAN_FRONTEND=noninteractive $run apt-get install -y -qq --no-install-recommends iproute2 >/dev/null
 fi
 
 echo "peers are ready: .venv, and rosbag and rospy of /usr/bin/python3"

@@ -11,7 +11,7 @@ cd "$(dirname "$0")/.."
 
 for distribution in "${@:-jazzy}"; do
     venv=.venv-$distribution
-    packages="ros-$distribution-rclpy ros-$distribution-common-interfaces ros-$distribution-rmw-fastrtps-cpp cyclonedds"
+    packages="ros-$distribution-rclpy ros-$distribution-common-interfaces ros-$distribution-rmw-fastrtps-cpp cyclonedds pytest"
     case $distribution in
         jazzy) ;;
         kilted) packages="$packages ros-kilted-rmw-implementation" ;;
@@ -23,7 +23,7 @@ for distribution in "${@:-jazzy}"; do
     if [ ! -x "$venv/bin/python" ]; then
         python3 -m venv "$venv"
     fi
-    if ! "$venv/bin/python" -c 'import rclpy, nav_msgs.msg, std_srvs.srv, cyclonedds' 2>/dev/null; then
+    if ! "$venv/bin/python" -c 'import rclpy, nav_msgs.msg, std_srvs.srv, cyclonedds, pytest' 2>/dev/null; then
         # shellcheck disable=SC2086  # one word per package is meant
         "$venv/bin/pip" install --quiet $packages
     fi

@@ -58,7 +58,7 @@ pub const LAYERS: &[(&str, &[&str], &[&str])] = &[
             "diag", "draw", "stream", "syntax", "codegen", "record", "sim", "ros", "react", "page", "bip", "genom",
             "import", "lapwing",
         ],
-        &["anstream", "clap", "ctrlc", "indicatif", "ratatui", "serde_json", "signal-hook", "strsim"],
+        &["anstream", "clap", "ctrlc", "foxglove", "indicatif", "ratatui", "serde_json", "signal-hook", "strsim"],
     ),
 ];
 

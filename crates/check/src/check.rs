@@ -1,6 +1,6 @@
 //! The order in which a specification is checked.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use lapwing_diag::{Code, Diagnostic, Severity, SourceMap};
 
@@ -54,6 +54,7 @@ pub fn check(sources: &SourceMap, loaded: &Loaded, trace: Option<&TraceShape>) -
         diagnostics,
         found: Found::default(),
         event_found: Vec::new(),
+        halves: BTreeMap::new(),
         lambdas: 0,
         budget: MOST_NODES,
         expanded: BTreeSet::new(),

@@ -1,6 +1,6 @@
 //! What is carried through the check: the specification as far as it is built, what was found wrong, and where in the text we are.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use lapwing_diag::{Code, Diagnostic, Label, Severity, SourceMap, Span};
 use lapwing_stream::Type;
@@ -11,6 +11,7 @@ use crate::definitions::Definitions;
 use crate::graph::Graph;
 use crate::machine::MachineTable;
 use crate::names::Names;
+use crate::service::ServiceHalf;
 use crate::trace::TraceShape;
 use crate::walk;
 
@@ -38,6 +39,8 @@ pub(crate) struct Cx<'a> {
     pub found: Found,
     /// What was found wrong with each declared event.
     pub event_found: Vec<Found>,
+    /// The events that are a half of a service.
+    pub halves: BTreeMap<usize, ServiceHalf>,
     /// How many `any` and `all` we are inside.
     pub lambdas: usize,
     /// How many nodes may still be built.

@@ -5,6 +5,7 @@ use lapwing_syntax::ast::{self, ActivityPhase, EventDecl, Ident};
 
 use crate::checked::{Event, EventSource, Point, PointKind};
 use crate::context::{Cx, Env, Found};
+use crate::service::ServiceHalf;
 use crate::suggest;
 
 /// Declares the events, and after that reads their conditions. Gives what was found wrong with each.
@@ -13,16 +14,24 @@ pub(crate) fn declare(cx: &mut Cx) {
     let written_down = has_points(cx, &decls);
     for decl in &decls {
         let (source, found) = cx.apart(|cx| source(cx, decl, written_down));
+        if let (EventSource::Message { .. }, Some(half)) = (&source, half(decl)) {
+            cx.halves.insert(cx.spec.events.len(), half);
+        }
         cx.spec.events.push(Event { name: decl.name.name.clone(), source, fields: Vec::new(), when: None });
         cx.event_found.push(found);
     }
     for (index, decl) in decls.iter().enumerate() {
-        let Some(when) = &decl.when else { continue };
         let (condition, found) = cx.apart(|cx| {
-            let env = Env { event: Some(index), ..Env::default() }.inside("an event's condition", when.span);
-            cx.formula_of(&env, when)
+            let own = decl.when.as_ref().map(|when| {
+                let env = Env { event: Some(index), ..Env::default() }.inside("an event's condition", when.span);
+                cx.formula_of(&env, when)
+            });
+            match cx.halves.get(&index).copied() {
+                Some(half) => cx.is_half(index, half, own, decl.name.span),
+                None => own,
+            }
         });
-        cx.spec.events[index].when = Some(condition);
+        cx.spec.events[index].when = condition;
         let known: &mut Found = &mut cx.event_found[index];
         known.failed |= found.failed;
         found.causes.into_iter().for_each(|cause| known.blame(cause));
@@ -54,8 +63,13 @@ fn source(cx: &mut Cx, decl: &EventDecl, written_down: bool) -> EventSource {
         ast::EventSource::Call(path) => point(PointKind::Call, &path.segments),
         ast::EventSource::Return(path) => point(PointKind::Return, &path.segments),
         ast::EventSource::Set(names) => point(PointKind::Set, names),
-        ast::EventSource::Request(topic) => outside(decl, format!("request {}", topic.absolute())),
-        ast::EventSource::Reply(topic) => outside(decl, format!("reply {}", topic.absolute())),
+        ast::EventSource::Request(service) | ast::EventSource::Reply(service) => {
+            let word = if matches!(source, ast::EventSource::Request(_)) { "request" } else { "reply" };
+            match cx.service_events(service) {
+                Some(messages) => return messages,
+                None => outside(decl, format!("{word} {}", service.absolute())),
+            }
+        }
         ast::EventSource::Write(names) => outside(decl, format!("write {}", dotted(names))),
         ast::EventSource::Activity(phase, names) => outside(decl, format!("{} {}", phase_word(*phase), dotted(names))),
     };
@@ -69,6 +83,15 @@ fn source(cx: &mut Cx, decl: &EventDecl, written_down: bool) -> EventSource {
         cx.found.blame(format!("a recording has no such events: `{}` is `{text}`", decl.name.name));
     }
     found
+}
+
+/// The half of a service that an event is.
+fn half(decl: &EventDecl) -> Option<ServiceHalf> {
+    match decl.source {
+        Some(ast::EventSource::Request(_)) => Some(ServiceHalf::Request),
+        Some(ast::EventSource::Reply(_)) => Some(ServiceHalf::Reply),
+        _ => None,
+    }
 }
 
 /// What neither a recording nor a Rust program has.

@@ -42,6 +42,7 @@ mod message;
 mod property;
 mod reaction;
 mod reads;
+mod service;
 
 mod call;
 mod constant;

@@ -261,9 +261,12 @@ impl Cx<'_> {
         {
             ty = Type::Message(schema);
         }
+        let half = self.halves.get(&event);
+        let path = half.map(|half| half.path()).unwrap_or_default();
+        let ty = half.map_or_else(|| ty.clone(), |half| half.ty(&ty));
         let known = Known { dim: Dim::UNKNOWN, message: known_message(&ty) };
         let label = String::new();
-        Place { root: Root::Event(event), path: Vec::new(), label, ty, known, default: None, stale: None, span: at }
+        Place { root: Root::Event(event), path, label, ty, known, default: None, stale: None, span: at }
     }
 
     /// A name that nothing declares.

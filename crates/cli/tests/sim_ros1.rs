@@ -23,31 +23,26 @@ fn examples() -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/turtlebot")
 }
 
-/// Runs the docking with a fault of the daemon, live, and gives the verdict of the corrected property on what was recorded.
-fn docked_with(fault: &str) -> String {
-    let world = World::new();
-    let _master = world.roscore();
-    let daemon = examples().join("live/fault_daemon.py");
-    let daemon = world.tool("/usr/bin/python3", &[daemon.to_str().unwrap(), fault]);
-    daemon.line_with("ready");
-    let recording = tempfile::NamedTempFile::with_suffix(".mcap").unwrap();
-    let path = recording.path().to_str().unwrap();
-    let run = ["sim", "docking", "--ros1", &world.uri(), "--outside", "--duration", "12s", "-o", path];
-    let done = lapwing(&run).output().unwrap();
-    let said = String::from_utf8_lossy(&done.stderr);
-    assert!(done.status.success() && said.contains("commands come from /cmd_vel"), "{said}");
-    let spec = examples().join("docking.rv");
-    let checked = lapwing(&["check", spec.to_str().unwrap(), path, "--format", "json"]).output().unwrap();
-    let report: serde_json::Value = serde_json::from_slice(&checked.stdout).unwrap();
-    let properties = report[0]["properties"].as_array().unwrap();
-    let corrected = properties.iter().find(|p| p["name"] == "corrected").unwrap();
-    corrected["verdict"].as_str().unwrap().to_owned()
+/// Runs cases of `catch.py`, the command of the example: Lapwing watches a simulator and a fault daemon, and three reports are compared.
+fn caught(cases: &[&str]) {
+    let mut command = Command::new("/usr/bin/python3");
+    command.arg(examples().join("live/catch.py")).arg("ros1").args(cases);
+    let done = command.env("LAPWING", env!("CARGO_BIN_EXE_lapwing")).output().unwrap();
+    let (said, complained) = (String::from_utf8_lossy(&done.stdout), String::from_utf8_lossy(&done.stderr));
+    assert!(
+        done.status.success() && cases.iter().all(|case| said.contains(case)),
+        "{said}{complained}tools/peers.sh installs what is missing"
+    );
 }
 
 #[test]
-fn a_base_that_others_command_obeys_them_faults_and_all() {
-    assert_eq!(docked_with("none"), "holds");
-    assert_eq!(docked_with("docking-stuck"), "violated");
+fn the_docking_of_a_healthy_and_of_a_faulty_robot() {
+    caught(&["healthy", "docking-stuck"]);
+}
+
+#[test]
+fn the_other_bugs_and_the_stop_sign() {
+    caught(&["direction-inverted", "backwards", "sign-unseen"]);
 }
 
 #[test]
@@ -80,6 +75,8 @@ fn what_does_not_go_together_is_said() {
     for (arguments, says) in [
         (&["sim", "docking", "--outside"][..], "add --ros1 or --ros2"),
         (&["sim", "docking", "--ros1", "--check", "x.rv"], "`lapwing monitor`"),
+        (&["sim", "docking", "--speed", "2"], "add --ros1 or --ros2"),
+        (&["sim", "docking", "--ros1", "--speed", "0"], "from 0.01 to 1000"),
         (&["sim", "docking", "--ros1", "http://:"], "no address"),
     ] {
         let done = lapwing(arguments).output().unwrap();

@@ -14,7 +14,7 @@ use lapwing_stream::{Sample, Time, Value, Verdict};
 use crate::account::{self, Notes};
 use crate::explain;
 use crate::hints::{self, Latch};
-use crate::history::Recorder;
+use crate::history::{Recorder, Strip};
 use crate::instance;
 use crate::losses::Damage;
 use crate::meant::{self, Met};
@@ -47,6 +47,8 @@ pub(crate) struct Run<'s> {
     latches: Vec<Option<Latch>>,
     /// Notes how it goes, where that is asked for.
     recorder: Option<Recorder>,
+    /// What the signals did lately, where somebody looks on.
+    strip: Option<Strip>,
     /// The properties as they are before anything is known of them.
     pub blanks: Vec<Property>,
     /// How many violations have been told.
@@ -91,6 +93,7 @@ impl<'s> Run<'s> {
             latches,
             blanks: meaning.properties.iter().map(|p| account::blank(&spec, &meaning, p)).collect(),
             recorder: noting.history.map(|most| Recorder::new(&spec, &meaning, most)),
+            strip: None,
             told: 0,
             jumps_told: 0,
             unmeasured: Vec::new(),
@@ -140,13 +143,22 @@ impl<'s> Run<'s> {
     #[inline]
     pub fn take(&mut self, sample: Sample<'_>) {
         self.witness.arrives(&sample);
-        match &mut self.recorder {
-            None => self.state.feed(&self.program, sample, &mut self.witness),
-            Some(recorder) => {
-                self.state.feed(&self.program, sample, &mut Both(&mut self.witness, recorder));
-                recorder.take(sample);
-            }
+        if self.recorder.is_none() && self.strip.is_none() {
+            return self.state.feed(&self.program, sample, &mut self.witness);
         }
+        let Run { witness, recorder, strip, state, program, .. } = self;
+        state.feed(program, sample, &mut Lookers { witness, recorder: recorder.as_mut(), strip: strip.as_mut() });
+        recorder.iter_mut().for_each(|recorder| recorder.take(sample));
+    }
+
+    /// From now on it is noted what the signals do, for whoever looks on.
+    pub fn draw(&mut self) {
+        self.strip = Some(Strip::new(&self.spec, &self.meaning));
+    }
+
+    /// What the signals did lately, where somebody looks on.
+    pub fn strip(&mut self) -> Option<&mut Strip> {
+        self.strip.as_mut()
     }
 
     /// How things stand of a property now, by its name.
@@ -229,14 +241,10 @@ impl<'s> Run<'s> {
     /// them.
     pub fn finish(&mut self, damage: &Damage, met: &Met) -> Vec<(usize, Property)> {
         let ending = damage.ending(&self.meaning.topics);
-        let outcomes = match &mut self.recorder {
-            None => self.state.finish(&self.program, &ending, &mut self.witness),
-            Some(recorder) => {
-                let outcomes = self.state.finish(&self.program, &ending, &mut Both(&mut self.witness, recorder));
-                recorder.end();
-                outcomes
-            }
-        };
+        let Run { witness, recorder, strip, state, program, .. } = self;
+        let mut lookers = Lookers { witness, recorder: recorder.as_mut(), strip: strip.as_mut() };
+        let outcomes = state.finish(program, &ending, &mut lookers);
+        recorder.iter_mut().for_each(Recorder::end);
         let mut notes = Notes::new(self.witness.found());
         let mut properties = Vec::new();
         for outcome in &outcomes {
@@ -309,20 +317,31 @@ impl<'s> Run<'s> {
     }
 }
 
-/// Two who look at the engine.
-struct Both<'b>(&'b mut Witness, &'b mut Recorder);
+/// All who look at the engine.
+struct Lookers<'l> {
+    witness: &'l mut Witness,
+    recorder: Option<&'l mut Recorder>,
+    strip: Option<&'l mut Strip>,
+}
 
-impl Observer for Both<'_> {
+impl Observer for Lookers<'_> {
     fn wants_margins(&self) -> bool {
-        self.1.wants_margins()
+        self.recorder.as_ref().is_some_and(|recorder| recorder.wants_margins())
     }
 
     fn margin(&mut self, property: usize, instance: &[Option<Value>], at: Time, margin: f64) {
-        self.1.margin(property, instance, at, margin);
+        if let Some(recorder) = &mut self.recorder {
+            recorder.margin(property, instance, at, margin);
+        }
     }
 
     fn output(&mut self, inputs: &Inputs, output: Output<'_>) {
-        self.1.output(inputs, output.clone());
-        self.0.output(inputs, output);
+        if let Some(recorder) = &mut self.recorder {
+            recorder.output(inputs, output.clone());
+        }
+        if let Some(strip) = &mut self.strip {
+            strip.output(inputs, output.clone());
+        }
+        self.witness.output(inputs, output);
     }
 }

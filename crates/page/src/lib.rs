@@ -1,4 +1,4 @@
-//! The report page: one HTML file with everything in it, that asks the network for nothing.
+//! The report page: one HTML file with everything in it, that asks the network for nothing; and its sibling, the [`live`] page of a run that goes on.
 //!
 //! ```text
 //! Report, History ──▶ Entry: the text of a recording (`run`, `property`) and what its charts draw (`data`)
@@ -22,5 +22,8 @@ mod run;
 mod assets;
 mod html;
 
+mod live;
+
 pub use document::{points, write};
+pub use live::{live, live_policy};
 pub use run::{Entry, entry};

@@ -164,14 +164,18 @@ fn slices(cx: &mut Cx, slices: &[(String, usize, crate::checked::Path)], uses: &
         let mut events = uses.events.clone();
         events.insert(*event);
         let fields = events.into_iter().filter_map(|e| Some((e, field_of(cx, e, path)?))).collect();
-        built.push(Slice { event: *event, field: path.clone(), fields });
+        let mut field = cx.event_place(*event, Span::default()).path;
+        field.extend_from_slice(path);
+        built.push(Slice { event: *event, field, fields });
     }
     built
 }
 
 /// The number of a field of an event; `None` where it has none.
 fn field_of(cx: &mut Cx, event: usize, path: &[Step]) -> Option<usize> {
-    let mut ty = cx.event_place(event, Span::default()).ty;
+    let place = cx.event_place(event, Span::default());
+    let (mut ty, mut whole) = (place.ty, place.path);
+    whole.extend_from_slice(path);
     for step in path {
         ty = match (&ty, step) {
             (Type::Message(schema), Step::Field(name)) => schema.field(name)?.ty.clone(),
@@ -180,11 +184,11 @@ fn field_of(cx: &mut Cx, event: usize, path: &[Step]) -> Option<usize> {
         };
     }
     let wanted = match cx.spec.events.get(event)?.source {
-        EventSource::Message { topic } => Some(cx.field(topic, &path.to_vec())),
+        EventSource::Message { topic } => Some(cx.field(topic, &whole)),
         EventSource::Entered { .. } | EventSource::Left { .. } => return None,
         EventSource::Named | EventSource::Point(_) | EventSource::Program(_) => None,
     };
-    Some(cx.event_field(event, EventField { path: path.to_vec(), wanted, ty }))
+    Some(cx.event_field(event, EventField { path: whole, wanted, ty }))
 }
 
 /// An event of an alphabet: a declared one by its name, or one of a state diagram.

@@ -59,6 +59,10 @@ pub struct Monitor {
     /// Show how things stand on a page, and as metrics, at this port or address; this machine only unless the address says otherwise
     #[arg(long, value_name = "[ADDRESS:]PORT")]
     pub serve: Option<String>,
+    /// Show what happens to Foxglove, by its WebSocket protocol, at this port or address; this machine only unless the address says otherwise
+    #[cfg(feature = "foxglove")]
+    #[arg(long, value_name = "[ADDRESS:]PORT")]
+    pub foxglove: Option<String>,
     /// Only say what reactions and guards would do
     #[arg(long)]
     pub dry_run: bool,

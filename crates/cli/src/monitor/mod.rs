@@ -1,6 +1,9 @@
 //! `lapwing monitor`: specifications over a robot that runs.
 
 pub mod args;
+mod audience;
+#[cfg(feature = "foxglove")]
+mod foxglove;
 mod lines;
 mod onlooker;
 mod screen;
@@ -22,6 +25,7 @@ use crate::exit::Exit;
 use crate::page::Page;
 use crate::{capsules, interrupt, words};
 use args::{Look, Monitor};
+use audience::Audience;
 use onlooker::{Looker, Texts};
 use serve::Server;
 use signals::Signals;
@@ -36,16 +40,29 @@ pub fn run(monitor: &Monitor) -> Result<Exit, Complaint> {
     }
     say(&touched(&touches(&specs), monitor.dry_run));
     let page = monitor.report.as_deref().map(Page::create).transpose()?;
-    let server = monitor.serve.as_deref().map(Server::start).transpose()?;
-    if let Some(server) = &server {
-        say(&format!("showing how things stand at http://{}/\n", server.address()));
-    }
+    let audiences = audiences(monitor)?;
     let station = Station::new(join(monitor)?, options(monitor));
     let signals = Signals::listen().map_err(|e| Complaint::new(format!("signals cannot be heard: {e}")))?;
     interrupt::listen();
-    let watch =
-        Watch { monitor, format: monitor.format.into(), styles: (stdout, stderr), paths, page, server, signals };
-    watch.carry_out(station, specs)
+    let watch = Watch { monitor, format: monitor.format.into(), styles: (stdout, stderr), paths, page, signals };
+    watch.carry_out(station, specs, audiences)
+}
+
+/// To whom the command line shows what happens, besides the terminal.
+fn audiences(monitor: &Monitor) -> Result<Vec<Box<dyn Audience>>, Complaint> {
+    let mut audiences: Vec<Box<dyn Audience>> = Vec::new();
+    if let Some(at) = monitor.serve.as_deref() {
+        let server = Server::start(at)?;
+        say(&format!("showing how things stand at http://{}/\n", server.address()));
+        audiences.push(Box::new(server.board()));
+    }
+    #[cfg(feature = "foxglove")]
+    if let Some(at) = monitor.foxglove.as_deref() {
+        let foxglove = foxglove::Foxglove::start(at)?;
+        say(&format!("showing what happens to Foxglove at ws://{}/\n", foxglove.address()));
+        audiences.push(Box::new(foxglove));
+    }
+    Ok(audiences)
 }
 
 /// The graph that the command line names.
@@ -106,7 +123,6 @@ struct Watch<'m> {
     styles: (Style, Style),
     paths: Vec<PathBuf>,
     page: Option<Page>,
-    server: Option<Server>,
     signals: Signals,
 }
 
@@ -117,11 +133,16 @@ impl Watch<'_> {
     }
 
     /// Runs until it is to end; each time the specifications are read again there is a report of its own.
-    fn carry_out(self, mut station: Station, mut specs: Vec<Spec>) -> Result<Exit, Complaint> {
+    fn carry_out(
+        self,
+        mut station: Station,
+        mut specs: Vec<Spec>,
+        audiences: Vec<Box<dyn Audience>>,
+    ) -> Result<Exit, Complaint> {
         let looks = self.looks();
         let mut looker =
             Looker::new(self.format, self.monitor.quiet, self.styles, looks, self.signals.clone(), self.texts());
-        looker.serve(self.server.as_ref());
+        looker.show_to(audiences);
         looker.out(self.format.begin());
         let (mut tally, mut number, mut is_complete) = (Tally::default(), 1, true);
         let mut entries = Vec::new();

@@ -10,10 +10,10 @@ use lapwing_diag::Style;
 use lapwing_react::{Event, Format, Standing, line};
 use lapwing_stream::Time;
 
+use super::audience::Audience;
 use super::lines::Lines;
 use super::rendered;
 use super::screen::Screen;
-use super::serve::{Board, Server};
 use super::signals::Signals;
 use crate::complain::say;
 use crate::{interrupt, words};
@@ -30,7 +30,7 @@ pub struct Looker {
     lines: Lines,
     screen: Option<Screen>,
     wants_screen: bool,
-    board: Option<Board>,
+    audiences: Vec<Box<dyn Audience>>,
     signals: Signals,
     texts: Texts,
     /// The specifications as they were read again.
@@ -65,7 +65,7 @@ impl Looker {
             lines: Lines::new(now(), styles.0),
             screen: None,
             wants_screen,
-            board: None,
+            audiences: Vec::new(),
             signals,
             texts,
             again: None,
@@ -74,9 +74,9 @@ impl Looker {
         }
     }
 
-    /// What happens is shown on a page as well.
-    pub fn serve(&mut self, server: Option<&Server>) {
-        self.board = server.map(Server::board);
+    /// What happens is shown to them as well.
+    pub fn show_to(&mut self, audiences: Vec<Box<dyn Audience>>) {
+        self.audiences = audiences;
     }
 
     /// The specifications as they were read again, if they were.
@@ -135,6 +135,7 @@ impl Watch for Looker {
     fn event(&mut self, event: Event<'_>) {
         if let Event::Start(report) = event {
             self.source.clone_from(&report.trace);
+            self.audiences.iter_mut().for_each(|audience| audience.begin());
             self.lines = Lines::new(now(), self.styles.0);
             if self.wants_screen && self.screen.is_none() {
                 match Screen::open() {
@@ -144,9 +145,7 @@ impl Watch for Looker {
             }
         }
         let json = line(&self.source, event);
-        if let Some(board) = &self.board {
-            board.event(&json);
-        }
+        self.audiences.iter_mut().for_each(|audience| audience.event(event, &json));
         if self.format == Format::Ndjson {
             self.out(&json);
         }
@@ -171,13 +170,15 @@ impl Onlooker for Looker {
     }
 
     fn pause(&self) -> Option<Duration> {
-        (self.screen.is_some() || self.board.is_some()).then_some(PAUSE)
+        (self.screen.is_some() || !self.audiences.is_empty()).then_some(PAUSE)
+    }
+
+    fn draws(&self) -> bool {
+        !self.audiences.is_empty()
     }
 
     fn look(&mut self, view: &View) {
-        if let Some(board) = &self.board {
-            board.view(view);
-        }
+        self.audiences.iter_mut().for_each(|audience| audience.look(view));
         if let Some(screen) = &mut self.screen
             && let Err(why) = screen.draw(view)
         {

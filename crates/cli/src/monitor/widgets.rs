@@ -161,6 +161,10 @@ mod tests {
             latest: None,
             margin: (state != StateNow::Blind).then_some(if state == StateNow::Good { 0.5 } else { -1.0 }),
             values: Vec::new(),
+            failed: 0,
+            instants: 0,
+            lanes: Vec::new(),
+            plots: Vec::new(),
         }
     }
 

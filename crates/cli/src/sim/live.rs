@@ -1,4 +1,4 @@
-//! `lapwing sim … --ros1` and `--ros2`: a scenario as a node of a live graph, as fast as real time goes.
+//! `lapwing sim … --ros1` and `--ros2`: a scenario as a node of a live graph, as fast as real time goes, or so many times as fast.
 //!
 //! The simulator makes messages as ROS 2 has them; for ROS 1 they are converted, by the definitions that ROS 1 has of the same types.
 
@@ -42,11 +42,12 @@ pub fn run(sim: &Sim, scenario: &Scenario, mut graph: Box<dyn Connector>) -> Res
         None => None,
     };
     interrupt::listen();
-    node.greet(scenario.name(), &simulation);
+    let speed = sim.speed.unwrap_or(1.0);
+    node.greet(scenario.name(), &simulation, speed);
     node.await_commands(&mut simulation);
     let (begin, mut latest) = (Instant::now(), Duration::ZERO);
     while let Some((time, topic)) = simulation.advance() {
-        let due = begin + Duration::from_secs_f64(simulation.seconds());
+        let due = begin + Duration::from_secs_f64(simulation.seconds() / speed);
         if !node.listen(due, &mut simulation) {
             break;
         }
@@ -59,7 +60,7 @@ pub fn run(sim: &Sim, scenario: &Scenario, mut graph: Box<dyn Connector>) -> Res
     }
     if latest > LATE && !sim.quiet {
         say(&format!(
-            "the simulator was late by up to {:.1} s: this machine is too slow, or too busy, for real time\n",
+            "the simulator was late by up to {:.1} s: this machine is too slow, or too busy, for this\n",
             latest.as_secs_f64()
         ));
     }
@@ -113,15 +114,16 @@ impl<'g> Node<'g> {
         Ok(Node { graph, outlets, ears, heard: BTreeMap::new(), is_quiet })
     }
 
-    fn greet(&self, scenario: &str, simulation: &Simulation) {
+    fn greet(&self, scenario: &str, simulation: &Simulation, speed: f64) {
         let topics = self.outlets.iter().flatten().count();
         let (_, steps) = simulation.progress();
         let ears: Vec<&str> = self.ears.iter().map(|(_, name)| name.as_str()).collect();
         let commands =
             if ears.is_empty() { String::new() } else { format!(", commands come from {}", ears.join(", ")) };
         self.tell(&format!(
-            "{scenario} on {}: {topics} topics{commands}; {steps} steps of 5 ms, in real time",
-            self.graph.name()
+            "{scenario} on {}: {topics} topics{commands}; {steps} steps of 5 ms, {}",
+            self.graph.name(),
+            if speed == 1.0 { "in real time".to_owned() } else { format!("{speed} times as fast as real time") },
         ));
     }
 

@@ -73,12 +73,21 @@ pub struct Sim {
     /// On a graph, robots obey the commands of other nodes on cmd_vel, and their programs speak on cmd_vel_original alone
     #[arg(long)]
     pub outside: bool,
+    /// On a graph, so many times as fast as real time; /clock tells everybody
+    #[arg(long, value_name = "TIMES", value_parser = speed)]
+    pub speed: Option<f64>,
     /// Say nothing of what is well
     #[arg(short, long)]
     pub quiet: bool,
     /// Whether to colour
     #[arg(long, value_name = "WHEN", default_value = "auto")]
     pub color: ColorChoice,
+}
+
+/// How many times as fast as real time.
+fn speed(text: &str) -> Result<f64, String> {
+    let times = text.trim_end_matches(['x', '×']).parse::<f64>().ok();
+    times.filter(|times| (0.01..=1000.0).contains(times)).ok_or_else(|| "write a number from 0.01 to 1000".to_owned())
 }
 
 /// Runs the command.
@@ -101,6 +110,11 @@ pub fn run(sim: &Sim) -> Result<Exit, Complaint> {
     }
     if sim.outside && !is_live {
         return Err(Complaint::new("--outside needs a graph from which commands come: add --ros1 or --ros2"));
+    }
+    if sim.speed.is_some() && !is_live {
+        return Err(Complaint::new(
+            "without a graph a run is as fast as it can be: leave --speed out, or add --ros1 or --ros2",
+        ));
     }
     if !sim.check.is_empty() {
         return campaign::run(sim, &scenario);

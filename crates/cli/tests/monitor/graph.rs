@@ -133,7 +133,8 @@ impl Process {
         kept
     }
 
-    fn write(&mut self, line: &str) {
+    /// A line for its standard input.
+    pub fn write(&mut self, line: &str) {
         writeln!(self.stdin.as_mut().unwrap(), "{line}").unwrap();
     }
 

@@ -33,6 +33,11 @@ impl Lapwing {
         self.process.line_with(text)
     }
 
+    /// The same, if it comes in that time.
+    pub fn says_within(&self, text: &str, patience: std::time::Duration) -> Option<String> {
+        self.process.line_within(text, patience)
+    }
+
     pub fn signal(&self, name: &str) {
         self.process.signal(name);
     }

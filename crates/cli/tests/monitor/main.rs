@@ -4,8 +4,13 @@
 //! Needs what `tools/peers.sh` and `tools/ros2.sh` install; without it the tests fail and say so.
 #![cfg(all(feature = "ros1", feature = "ros2", unix))]
 
+mod cut;
+#[cfg(feature = "foxglove")]
+mod foxglove;
 mod graph;
 mod guarding;
+mod habits;
 mod lapwing;
+mod page;
 mod watching;
 mod words;

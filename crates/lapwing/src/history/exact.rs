@@ -31,7 +31,7 @@ impl Exact {
         if self.wanted > 0 {
             self.wanted -= 1;
             self.kept.push(point);
-        } else if self.windows < WINDOWS {
+        } else if self.windows < WINDOWS && self.length > 0 {
             if self.recent.len() == self.length {
                 self.recent.pop_front();
             }
@@ -69,6 +69,14 @@ mod tests {
         }
         let kept: Vec<i64> = exact.points().iter().map(|(t, _)| t.0).collect();
         assert_eq!(kept, [47, 48, 49, 50, 51, 52]);
+    }
+
+    #[test]
+    fn where_nothing_is_to_be_kept_nothing_is() {
+        let mut exact = Exact::new(0);
+        (0..100).for_each(|t| exact.push((Time(t), 0.0)));
+        exact.keep();
+        assert!(exact.points().is_empty() && exact.recent.is_empty());
     }
 
     #[test]

@@ -3,6 +3,8 @@
 //! What is drawn of each property is planned beforehand ([`plan`]). At each instant the signals are looked at ([`tracks`], [`curve`], [`steps`]). The engine
 //! tells when something fails; beside it the conditions of scopes are judged ([`scopes`]). At the end all of this is put on one axis ([`axis`],
 //! [`alarms`], [`stretches`]).
+//!
+//! While a live run goes on, a [`strip`] hands out what the signals did since it was asked last.
 
 mod alarms;
 mod axis;
@@ -14,13 +16,14 @@ mod scopes;
 mod starts;
 mod steps;
 mod stretches;
+mod strip;
 mod tracks;
 
 use lapwing_check::checked;
 use lapwing_engine::inputs::Inputs;
 use lapwing_engine::{Observer, Outcome, Output};
 use lapwing_react::Property;
-use lapwing_react::history::{Course, History, Mark, Plot, Shape, Track};
+use lapwing_react::history::{Course, History, Mark};
 use lapwing_stream::{Sample, Time, Value, Verdict};
 
 use crate::explain;
@@ -32,6 +35,7 @@ use plan::Plan;
 use scopes::Probes;
 use starts::Starts;
 use stretches::{Known, Stretch, thin};
+pub(crate) use strip::Strip;
 use tracks::Tracks;
 
 /// At most so many stretches of a property are told apart.
@@ -113,35 +117,16 @@ impl Recorder {
         }
     }
 
-    /// The tracks of a property: what came as numbers as curves, the rest as lanes.
     fn drawn(&self, property: usize) -> Course {
-        let mut course = Course::default();
-        for group in self.plan.views.get(property).into_iter().flat_map(|view| &view.groups) {
-            let (curves, lanes): (Vec<usize>, Vec<usize>) =
-                group.tracks.iter().partition(|t| self.tracks.is_curve(**t));
-            course.lanes.extend(lanes);
-            if !curves.is_empty() {
-                course.plots.push(Plot { tracks: curves, limits: group.limits.clone() });
-            }
-        }
-        course
+        let (lanes, plots) = self.plan.drawn(property, |track| self.tracks.is_curve(track));
+        Course { lanes, plots, ..Course::default() }
     }
 
     /// All that was noted.
     pub fn finish(self) -> History {
         let end = self.axis.pieces().last().map(|piece| piece.to);
-        let shapes = self.tracks.finish(end).into_iter();
-        let track = |(wanted, (shape, is_thinned)): (plan::Wanted, (Shape, bool))| Track {
-            name: wanted.name,
-            unit: wanted.unit,
-            shape,
-            is_thinned,
-        };
-        History {
-            pieces: self.axis.pieces().to_vec(),
-            tracks: self.plan.wanted.into_iter().zip(shapes).map(track).collect(),
-            courses: self.courses,
-        }
+        let tracks = self.tracks.finish(end, &self.plan.wanted);
+        History { pieces: self.axis.pieces().to_vec(), tracks, courses: self.courses }
     }
 }
 

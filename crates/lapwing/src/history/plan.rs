@@ -1,7 +1,7 @@
 //! What is drawn of each property: the numbers and states that it reads, which of them share axes, and what they are compared with.
 
 use lapwing_check::checked::{self, Body, Compare, Dim, Expr, Kind, Property};
-use lapwing_react::history::Limit;
+use lapwing_react::history::{Limit, Plot};
 use lapwing_stream::Value;
 
 use crate::eval::{self, Moment};
@@ -55,6 +55,21 @@ impl Plan {
         let mut planner = Planner { spec, meaning, printer: Printer { spec, meaning }, wanted: Vec::new() };
         let views = meaning.properties.iter().map(|p| planner.view(p)).collect();
         Plan { wanted: planner.wanted, views }
+    }
+}
+
+impl Plan {
+    /// The tracks of a property: those that come as numbers as curves, the rest as lanes.
+    pub fn drawn(&self, property: usize, is_curve: impl Fn(usize) -> bool) -> (Vec<usize>, Vec<Plot>) {
+        let (mut all_lanes, mut plots) = (Vec::new(), Vec::new());
+        for group in self.views.get(property).into_iter().flat_map(|view| &view.groups) {
+            let (curves, lanes): (Vec<usize>, Vec<usize>) = group.tracks.iter().partition(|t| is_curve(**t));
+            all_lanes.extend(lanes);
+            if !curves.is_empty() {
+                plots.push(Plot { tracks: curves, limits: group.limits.clone() });
+            }
+        }
+        (all_lanes, plots)
     }
 }
 

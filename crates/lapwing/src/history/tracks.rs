@@ -1,7 +1,7 @@
 //! What is drawn, as it goes.
 
 use lapwing_engine::inputs::Inputs;
-use lapwing_react::history::Shape;
+use lapwing_react::history::{Shape, Track};
 use lapwing_stream::{Time, Value};
 
 use super::curve::Curve;
@@ -76,8 +76,12 @@ impl Tracks {
     }
 
     /// All of it, and whether there was more of it; values last until the end.
-    pub fn finish(self, end: Option<Time>) -> Vec<(Shape, bool)> {
-        self.tracks.into_iter().map(|track| track.shape(end)).collect()
+    pub fn finish(self, end: Option<Time>, wanted: &[Wanted]) -> Vec<Track> {
+        let track = |(noted, wanted): (Noted, &Wanted)| {
+            let (shape, is_thinned) = noted.shape(end);
+            Track { name: wanted.name.clone(), unit: wanted.unit.clone(), shape, is_thinned }
+        };
+        self.tracks.into_iter().zip(wanted).map(track).collect()
     }
 }
 

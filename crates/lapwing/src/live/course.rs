@@ -137,6 +137,11 @@ impl<'s> Course<'s> {
         }
     }
 
+    /// Somebody looks on, and wants to see what the signals do.
+    pub fn draw(&mut self) {
+        self.posts.iter_mut().for_each(|post| post.draws = true);
+    }
+
     /// Says what is watched.
     pub fn start(&mut self, watch: &mut dyn Watch) {
         watch.event(Event::Start(&self.report));

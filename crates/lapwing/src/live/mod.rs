@@ -32,4 +32,4 @@ pub use clock::ClockChoice;
 pub use figures::{Figures, Latency};
 pub use reactions::{Reach, Touch, touches};
 pub use station::{Ended, LiveOptions, Onlooker, Outcome, Station};
-pub use view::{PropertyView, StateNow, TopicView, View};
+pub use view::{PropertyView, StateNow, TopicView, TrackView, View};

@@ -32,6 +32,8 @@ pub(crate) struct Post<'s> {
     pub limits: BTreeMap<String, Duration>,
     /// Until when at least a property had no position.
     unstarted: BTreeMap<String, Time>,
+    /// Whether its monitors note what the signals do, for whoever looks on.
+    pub draws: bool,
     /// What has been said of the specification and this graph.
     said: BTreeSet<(String, Option<(String, usize, usize)>)>,
 }
@@ -52,6 +54,7 @@ impl<'s> Post<'s> {
             topics: Vec::new(),
             limits: BTreeMap::new(),
             unstarted: BTreeMap::new(),
+            draws: false,
             said: BTreeSet::new(),
         };
         let shape = TraceShape { live: true, ..TraceShape::default() };
@@ -100,6 +103,9 @@ impl<'s> Post<'s> {
     }
 
     fn begin(&mut self, mut shift: Shift<'s>, graph: &Graph, at: Time) {
+        if self.draws {
+            shift.run.draw();
+        }
         shift.catch_up(graph);
         count_publishers(&mut shift, graph, at);
         self.shifts.push(shift);

@@ -73,6 +73,12 @@ impl<'s> Shift<'s> {
         Shift { run, owned, wants, intake, types, of_events, bindings: BTreeMap::new(), elements }
     }
 
+    /// The properties that it judges, with their numbers.
+    pub fn own(&self) -> impl Iterator<Item = (usize, String)> {
+        let named = self.run.blanks.iter().enumerate().map(|(number, blank)| (number, blank.name.clone()));
+        named.filter(|(_, name)| self.owned.contains(name))
+    }
+
     /// Takes in what is known of the past: the latest message of each stream, but for events.
     pub fn catch_up(&mut self, graph: &Graph) {
         for (at, number, payload) in graph.latest() {

@@ -61,6 +61,11 @@ pub trait Onlooker: Watch {
     /// Something worth a line that is no part of the report.
     fn note(&mut self, _text: &str) {}
 
+    /// Whether views are to show what the signals did since the one before.
+    fn draws(&self) -> bool {
+        false
+    }
+
     /// So often it wants to know how things stand; without a pause never.
     fn pause(&self) -> Option<Duration> {
         None
@@ -166,7 +171,10 @@ impl Station {
     /// An error says why it cannot begin: the recording cannot be written, or a reaction cannot be carried out.
     pub fn run(&mut self, specs: &[Spec], watch: &mut dyn Onlooker) -> Result<Outcome, String> {
         let began = self.connector.now();
-        let course = Course::new(specs, &self.connector.name(), &self.options.checking);
+        let mut course = Course::new(specs, &self.connector.name(), &self.options.checking);
+        if watch.draws() {
+            course.draw();
+        }
         let (mut reactions, notes) =
             Reactions::prepare(specs, &self.options.reach, self.publishers.clone(), &mut *self.connector)?;
         let guards = guards(specs, &self.options.reach, &mut reactions, &mut *self.connector)?;
@@ -338,7 +346,8 @@ impl Station {
         out.into_iter().for_each(|sight| duty.take(sight));
         let cut_short = (ended == Ended::AtViolation).then(|| "stopped at the first violation, as asked".to_owned());
         duty.take(Sight { at, what: Seen::Status(Status::Ended(cut_short)) });
-        let view = self.view(&duty.course);
+        let mut view = self.view(&duty.course);
+        duty.course.fill_strips(&mut view);
         duty.watch.look(&view);
         let Duty { course, tape, unrecorded, watch, reactions, .. } = duty;
         self.publishers = reactions.into_publishers();

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use lapwing_react::Reading;
+use lapwing_react::history::{Plot, Track};
 use lapwing_stream::Time;
 
 use super::course::Course;
@@ -21,6 +22,8 @@ pub struct View {
     pub properties: Vec<PropertyView>,
     /// The topics that are read, by name.
     pub topics: Vec<TopicView>,
+    /// What the signals did since the view before, where that was asked for.
+    pub tracks: Vec<TrackView>,
     /// What the run has measured of itself.
     pub figures: Figures,
 }
@@ -48,6 +51,23 @@ pub struct PropertyView {
     pub margin: Option<f64>,
     /// What it shows, as it is now.
     pub values: Vec<Reading>,
+    /// How many of its obligations have failed, since time jumped last.
+    pub failed: u64,
+    /// How many instants its monitor has seen. Where there are no more than before, nothing can have failed.
+    pub instants: u64,
+    /// The tracks of the view that are drawn as lanes.
+    pub lanes: Vec<usize>,
+    /// The tracks of the view that are drawn as curves.
+    pub plots: Vec<Plot>,
+}
+
+/// What a signal did since the view before.
+#[derive(Clone, Debug)]
+pub struct TrackView {
+    /// By what it is known again: the number of the specification, of its monitor, and its own.
+    pub id: (usize, usize, usize),
+    /// What it did.
+    pub track: Track,
 }
 
 /// The ways in which a property can stand while a run goes on.
@@ -118,11 +138,11 @@ impl Course<'_> {
                     None => self.of_instances(spec, &blank.name),
                 };
                 let shift = post.shifts.iter().find(|shift| shift.owned.contains(&blank.name));
-                let has_started = shift.is_some_and(|shift| shift.run.standing(&blank.name).started);
+                let standing = shift.map(|shift| shift.run.standing(&blank.name)).unwrap_or_default();
                 let state = match () {
                     () if violations > 0 => StateNow::Violated,
                     () if !causes.is_empty() => StateNow::Blind,
-                    () if !has_started => StateNow::Waiting,
+                    () if !standing.started => StateNow::Waiting,
                     () => StateNow::Good,
                 };
                 let cause = if causes.is_empty() { blank.cause.clone() } else { Some(causes.join("; ")) };
@@ -137,11 +157,41 @@ impl Course<'_> {
                     latest,
                     margin: margins.get(&blank.name).copied(),
                     values: shift.map(|shift| shift.run.present(&blank.name)).unwrap_or_default(),
+                    failed: standing.failed,
+                    instants: shift.map_or(0, |shift| shift.run.instants()),
+                    lanes: Vec::new(),
+                    plots: Vec::new(),
                 });
             }
         }
         view.topics = self.topics_now();
         view
+    }
+
+    /// Adds to a view what the signals did since this was asked last.
+    pub fn fill_strips(&mut self, view: &mut View) {
+        let View { properties, tracks, .. } = view;
+        let mut properties = properties.iter_mut();
+        for (spec, post) in self.posts.iter_mut().enumerate() {
+            let names: Vec<String> = post.known().map(|(blank, _)| blank.name.clone()).collect();
+            let mut drawn: BTreeMap<String, (Vec<usize>, Vec<Plot>)> = BTreeMap::new();
+            for (number, shift) in post.shifts.iter_mut().enumerate() {
+                let own: Vec<(usize, String)> = shift.own().collect();
+                let Some(strip) = shift.run.strip() else { continue };
+                let first = tracks.len();
+                let fresh = strip.take().into_iter().enumerate();
+                tracks.extend(fresh.map(|(k, track)| TrackView { id: (spec, number, k), track }));
+                let moved = |track: &usize| first + track;
+                for (property, name) in own {
+                    let (lanes, plots) = strip.drawn(property);
+                    let plot = |plot: Plot| Plot { tracks: plot.tracks.iter().map(moved).collect(), ..plot };
+                    drawn.insert(name, (lanes.iter().map(moved).collect(), plots.into_iter().map(plot).collect()));
+                }
+            }
+            for (name, property) in names.iter().zip(&mut properties) {
+                (property.lanes, property.plots) = drawn.remove(name).unwrap_or_default();
+            }
+        }
     }
 
     /// The violations of the instances of a property that are made of the values of events.

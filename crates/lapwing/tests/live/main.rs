@@ -5,3 +5,4 @@ mod blindness;
 mod reactions;
 mod script;
 mod time;
+mod views;

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use bytes::Bytes;
-use lapwing::live::{Figures, LiveOptions, Onlooker, Outcome, Station};
+use lapwing::live::{Figures, LiveOptions, Onlooker, Outcome, Station, View};
 use lapwing::{Options, Report, Session, Spec, Watch};
 use lapwing_react::{Event, Format, Style, render};
 use lapwing_record::{Dialect, Library, MessageType, RawChannel};
@@ -221,6 +221,8 @@ pub struct Told {
     pub violations: Vec<(f64, String)>,
     pub warnings: Vec<(f64, String)>,
     pub notes: Vec<String>,
+    /// How things stood, four times a second.
+    pub views: Vec<View>,
 }
 
 struct Onlooking {
@@ -247,6 +249,18 @@ impl Watch for Onlooking {
 impl Onlooker for Onlooking {
     fn note(&mut self, text: &str) {
         self.told.notes.push(text.to_owned());
+    }
+
+    fn draws(&self) -> bool {
+        true
+    }
+
+    fn pause(&self) -> Option<Duration> {
+        Some(Duration::from_millis(250))
+    }
+
+    fn look(&mut self, view: &View) {
+        self.told.views.push(view.clone());
     }
 }
 

@@ -88,10 +88,12 @@ def skip(node, topic):
 
 
 def leave(node, topic, seconds):
-    """Publishes for a while and then leaves as it should."""
+    """Publishes for a while, from when somebody listens, and then leaves as it should."""
     begin(node)
     publisher = rospy.Publisher(topic, String, queue_size=10)
     ready()
+    while publisher.get_num_connections() == 0:
+        time.sleep(0.05)
     end = time.time() + float(seconds)
     while time.time() < end:
         publisher.publish("here")

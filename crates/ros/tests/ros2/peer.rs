@@ -127,17 +127,22 @@ impl Heard {
     }
 
     /// Listens until something comes of which that is true.
-    pub fn until<T>(&mut self, what: &str, mut find: impl FnMut(&Happening) -> Option<T>) -> T {
-        let deadline = Instant::now() + PATIENCE;
+    pub fn until<T>(&mut self, what: &str, find: impl FnMut(&Happening) -> Option<T>) -> T {
+        self.within(PATIENCE, find).unwrap_or_else(|| panic!("{what} did not come; what came:\n{}", self.story()))
+    }
+
+    /// The same, if it comes in that time.
+    fn within<T>(&mut self, patience: Duration, mut find: impl FnMut(&Happening) -> Option<T>) -> Option<T> {
+        let deadline = Instant::now() + patience;
         while Instant::now() < deadline {
             let Some(arrival) = self.connector.next(Duration::from_millis(50)) else { continue };
             let found = find(&arrival.what);
             self.all.push(arrival);
-            if let Some(found) = found {
+            if found.is_some() {
                 return found;
             }
         }
-        panic!("{what} did not come; what came:\n{}", self.story());
+        None
     }
 
     /// The offer of a topic, with its definition.
@@ -151,6 +156,14 @@ impl Heard {
     /// The next message of a stream.
     pub fn message(&mut self, stream: StreamId) -> Vec<u8> {
         self.until("a message", |what| match what {
+            Happening::Message { stream: s, payload } if *s == stream => Some(payload.to_vec()),
+            _ => None,
+        })
+    }
+
+    /// The next message of a stream, if it comes in that time.
+    pub fn message_within(&mut self, stream: StreamId, patience: Duration) -> Option<Vec<u8>> {
+        self.within(patience, |what| match what {
             Happening::Message { stream: s, payload } if *s == stream => Some(payload.to_vec()),
             _ => None,
         })

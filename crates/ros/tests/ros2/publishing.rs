@@ -32,7 +32,7 @@ fn twist(linear: f64, angular: f64) -> Vec<u8> {
 
 /// Publishes until a peer has heard it: it may not have found the publisher at first.
 fn until_heard(connector: &mut dyn Connector, publisher: PublisherId, message: &[u8], peer: &Peer) -> String {
-    for _ in 0..200 {
+    for _ in 0..600 {
         connector.publish(publisher, message).unwrap();
         if let Some(line) = peer.line_within("heard", Duration::from_millis(50)) {
             return line;

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use bytes::Bytes;
+use lapwing_record::TimeSource;
 use lapwing_stream::Time;
 
 use super::{Duty, Station};
@@ -80,8 +81,9 @@ impl Station {
         if !looks && !tells {
             return;
         }
-        let view = self.view(&duty.course);
+        let mut view = self.view(&duty.course);
         if looks {
+            duty.course.fill_strips(&mut view);
             duty.shown = Some(now);
             duty.watch.look(&view);
         }
@@ -95,7 +97,12 @@ impl Station {
 
     pub(super) fn view(&mut self, course: &Course<'_>) -> View {
         let mut view = View { figures: self.figures.clone(), ..course.view() };
-        self.rates.fill(&mut view, self.connector.now());
+        let now = self.connector.now();
+        // Where nothing is seen, time goes on all the same.
+        if self.clock.is_wall() && self.options.checking.recording.time != TimeSource::Header {
+            view.now = view.now.max(now);
+        }
+        self.rates.fill(&mut view, now);
         view
     }
 
