@@ -1,4 +1,6 @@
-//! `lapwing genom`: GenoM3 components checked, drawn, and written as models for other tools.
+//! `lapwing genom`: GenoM3 components checked, drawn, written as models for other tools, and run.
+
+mod run;
 
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
@@ -23,6 +25,7 @@ use crate::exit::Exit;
   lapwing genom graph robot.gen --format svg     who writes what for whom, and every state machine
   lapwing genom bip robot.gen > robot.bip        the components as timed automata in RT-BIP
   lapwing genom uppaal robot.gen > robot.xml     the same for UPPAAL
+  lapwing genom run robot.gen --spec robot.rv --requests mission.txt    runs them, watched
 
 docs/genom.md says what is read and what is written. Exit codes: 0 the components can be used; 2 they cannot.")]
 pub struct Genom {
@@ -42,6 +45,8 @@ pub enum Action {
     Bip(BipArguments),
     /// Writes them as timed automata for UPPAAL
     Uppaal(ModelArguments),
+    /// Runs them: their automata call codels, or only take the time that these may take
+    Run(run::RunArguments),
 }
 
 /// Which specifications to read, and how.
@@ -123,6 +128,7 @@ pub struct BipArguments {
 /// Runs the command.
 pub fn run(arguments: &Genom) -> Result<Exit, Complaint> {
     let text = match &arguments.action {
+        Action::Run(arguments) => return run::run(arguments),
         Action::Check(reading) => summary(&read(reading)?),
         Action::Graph(arguments) => picture(arguments)?,
         Action::Bip(arguments) => {
@@ -230,7 +236,7 @@ fn system(loaded: &Loaded, arguments: &ModelArguments, runtime: bool) -> Result<
         return Err(complaint.help("interfaces and types alone do nothing: give the file that says `component`"));
     }
     let settings =
-        Settings { instances: arguments.instances, rules: Rules { readers_share: arguments.readers_share }, runtime };
+        Settings { instances: arguments.instances, rules: Rules { readers_share: arguments.readers_share }, runtime, exceptions: false };
     built(loaded, settings)
 }
 
