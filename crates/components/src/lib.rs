@@ -39,5 +39,5 @@ pub use request::{Request, RequestError};
 pub use run::{CannotRun, Client, Run, Setup};
 pub use signals::{Message, Signals, Topic};
 pub use tell::{Teller, stamp};
-pub use types::Types;
+pub use types::{Layout, Types};
 pub use watch::{Mismatch, Watch};

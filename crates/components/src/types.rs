@@ -39,7 +39,71 @@ pub(crate) enum Shape<'t> {
     Other(&'static str),
 }
 
+/// What a type comes to, for who carries values elsewhere.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Layout {
+    /// A number, a truth value or a character.
+    Basic(Basic),
+    /// A text, of a greatest length.
+    Text(Option<u64>),
+    /// One of so many names.
+    Enum(usize),
+    /// So many elements.
+    Array(Type, u64),
+    /// Any number of elements, up to a greatest one.
+    Sequence(Type, Option<u64>),
+    /// Members.
+    Struct(Vec<Type>),
+    /// A value that may be missing.
+    Optional(Type),
+    /// For each member, the values that tell that it is there, none for all others, and its type.
+    Union(Vec<(Vec<i128>, Type)>),
+    /// What only codels know.
+    Native,
+    /// What has no values, in words.
+    Other(&'static str),
+}
+
 impl Types {
+    /// What a type comes to.
+    pub fn layout(&self, ty: &Type) -> Layout {
+        let mut bottom = ty;
+        for _ in 0..MOST_DEPTH {
+            match bottom {
+                Type::Basic(basic) => return Layout::Basic(*basic),
+                Type::Named(id) => match self.def(*id).map(|d| &d.kind) {
+                    Some(TypeDefKind::Alias(inner)) => bottom = inner,
+                    Some(TypeDefKind::Union(on, cases)) => return Layout::Union(self.cases(on, cases)),
+                    _ => break,
+                },
+                _ => break,
+            }
+        }
+        match self.shape(bottom) {
+            Shape::Text(most) => Layout::Text(most),
+            Shape::Enum(names) => Layout::Enum(names.len()),
+            Shape::Array(inner, length) => Layout::Array(inner.clone(), length),
+            Shape::Sequence(inner, most) => Layout::Sequence(inner.clone(), most),
+            Shape::Struct(fields) => Layout::Struct(fields.iter().map(|f| f.ty.clone()).collect()),
+            Shape::Optional(inner) => Layout::Optional(inner.clone()),
+            Shape::Native => Layout::Native,
+            // A number with a fixed point is kept as a double.
+            Shape::Float => Layout::Basic(Basic::Double),
+            Shape::Other(what) => Layout::Other(what),
+            Shape::Bool | Shape::Int(..) | Shape::Union(_) => Layout::Other("a type that is defined by itself"),
+        }
+    }
+
+    fn cases(&self, on: &Type, cases: &[(Vec<Label>, Field)]) -> Vec<(Vec<i128>, Type)> {
+        let number = |label: &Label| match (label, self.shape(on)) {
+            (Label::Int(value), _) => Some(*value),
+            (Label::Name(name), Shape::Enum(names)) => names.iter().position(|n| n == name).map(|n| n as i128),
+            _ => None,
+        };
+        let one = |(labels, field): &(Vec<Label>, Field)| (labels.iter().filter_map(number).collect(), field.ty.clone());
+        cases.iter().map(one).collect()
+    }
+
     /// Those of a model.
     pub fn new(model: &Model) -> Types {
         Types { defs: model.types.clone().into() }

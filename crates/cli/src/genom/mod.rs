@@ -45,6 +45,16 @@ pub enum Action {
     Bip(BipArguments),
     /// Writes them as timed automata for UPPAAL
     Uppaal(ModelArguments),
+    /// Writes the headers and the glue with which codels in C are compiled
+    Headers(HeadersArguments),
+    /// Calls codels of a library for another process: `run --isolate` starts it
+    #[command(hide = true)]
+    Serve {
+        /// The library
+        library: PathBuf,
+        /// The component
+        component: String,
+    },
     /// Runs them: their automata call codels, or only take the time that these may take
     Run(run::RunArguments),
 }
@@ -125,10 +135,23 @@ pub struct BipArguments {
     pub runtime: bool,
 }
 
+/// Arguments of `headers`.
+#[derive(Debug, Args)]
+pub struct HeadersArguments {
+    /// What to read.
+    #[command(flatten)]
+    pub reading: Reading,
+    /// The folder to write to
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+}
+
 /// Runs the command.
 pub fn run(arguments: &Genom) -> Result<Exit, Complaint> {
     let text = match &arguments.action {
         Action::Run(arguments) => return run::run(arguments),
+        Action::Serve { library, component } => return Ok(serve(library, component)),
+        Action::Headers(arguments) => headers(arguments)?,
         Action::Check(reading) => summary(&read(reading)?),
         Action::Graph(arguments) => picture(arguments)?,
         Action::Bip(arguments) => {
@@ -145,6 +168,39 @@ pub fn run(arguments: &Genom) -> Result<Exit, Complaint> {
     // Where nobody reads it there is nothing to be done.
     drop(io::stdout().write_all(text.as_bytes()));
     Ok(Exit::Good)
+}
+
+/// Writes what C codels are compiled with, and says how.
+fn headers(arguments: &HeadersArguments) -> Result<String, Complaint> {
+    let loaded = read(&arguments.reading)?;
+    let files = emit::c_files(&loaded.model).map_err(|e| Complaint::new(e.to_string()))?;
+    let folder = &arguments.output;
+    let cannot = |e: io::Error| Complaint::new(format!("{} cannot be written: {e}", folder.display()));
+    std::fs::create_dir_all(folder).map_err(cannot)?;
+    for file in &files {
+        std::fs::write(folder.join(&file.name), &file.text).map_err(cannot)?;
+    }
+    let mut text = format!("wrote {} files to {}\n", files.len(), folder.display());
+    for glue in files.iter().filter(|f| f.name.ends_with("_glue.c")) {
+        let name = glue.name.trim_end_matches("_glue.c");
+        let folder = folder.display();
+        let _ = writeln!(
+            text,
+            "{name}: gcc -shared -fPIC -I {folder} -o lib{name}.so {folder}/{} YOUR_CODELS.c, where these include \"ac{name}.h\"",
+            glue.name
+        );
+    }
+    Ok(text)
+}
+
+#[cfg(unix)]
+fn serve(library: &std::path::Path, component: &str) -> Exit {
+    if lapwing_codels::serve(library, component) { Exit::Good } else { Exit::Wrong }
+}
+
+#[cfg(not(unix))]
+fn serve(_: &std::path::Path, _: &str) -> Exit {
+    Exit::Wrong
 }
 
 /// Reads specifications; what is wrong with them is said, and ends the command where they cannot be used.

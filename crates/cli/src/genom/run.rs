@@ -32,6 +32,12 @@ pub struct RunArguments {
     /// As for every model.
     #[command(flatten)]
     pub model: ModelArguments,
+    /// A shared library with codels in C (repeatable): `lapwing genom headers` writes what they are compiled with
+    #[arg(long, value_name = "LIB")]
+    pub codels: Vec<PathBuf>,
+    /// Call them in processes of their own, one for each component: one that crashes or hangs takes nothing along
+    #[arg(long)]
+    pub isolate: bool,
     /// A specification that watches the run, and whose reactions request services (repeatable)
     #[arg(long, value_name = "SPEC.rv")]
     pub spec: Vec<PathBuf>,
@@ -50,7 +56,7 @@ pub struct RunArguments {
     /// How long to run: 10s, 500ms; 10s where nothing is said, and in real time without end
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub duration: Option<Duration>,
-    /// After how long a codel that does not return counts as hung, in real time
+    /// After how long a codel that does not return counts as hung: in real time, and with --isolate always
     #[arg(long, value_name = "TIME", value_parser = duration, default_value = "5s")]
     pub patience: Duration,
     /// Tell of every codel and of everything that is written to a port
@@ -84,7 +90,8 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Complaint> {
     };
     let Loaded { model, sources, .. } = loaded;
     let model = Arc::new(model);
-    let mut run = Run::new(model.clone(), setup, Codels::new()).map_err(|e| Complaint::new(e.to_string()))?;
+    let codels = codels(arguments, &model)?;
+    let mut run = Run::new(model.clone(), setup, codels).map_err(|e| Complaint::new(e.to_string()))?;
     let specs = specs(&arguments.spec, &[], stderr)?;
     let has_specs = !specs.is_empty();
     let watch = Watch::new(specs, &run, stderr).map_err(|wrong| Complaint::rendered(wrong.0))?;
@@ -99,6 +106,35 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Complaint> {
     let types = run.types().clone();
     let told = Told { model: &model, types: &types, sources: &sources, arguments, styles: (stdout, stderr) };
     told.carry_out(run, watch, recorder, has_specs)
+}
+
+/// The codels of all libraries.
+fn codels(arguments: &RunArguments, model: &Model) -> Result<Codels, Complaint> {
+    let mut all = Codels::new();
+    for path in &arguments.codels {
+        let loaded = match arguments.isolate {
+            true => isolated(path, model, arguments.patience),
+            false => lapwing_codels::load(path, model),
+        };
+        all.join(loaded.map_err(|e| Complaint::new(e.to_string()))?);
+    }
+    Ok(all)
+}
+
+#[cfg(unix)]
+fn isolated(path: &Path, model: &Model, patience: Duration) -> Result<Codels, lapwing_codels::LoadError> {
+    let program = std::env::current_exe().map_err(|e| lapwing_codels::LoadError(e.to_string()))?;
+    let isolation = lapwing_codels::Isolation {
+        program,
+        arguments: ["genom", "serve"].map(str::to_owned).to_vec(),
+        patience: std::time::Duration::from_nanos(u64::try_from(patience.nanos()).unwrap_or(0)),
+    };
+    lapwing_codels::isolate(path, model, &isolation)
+}
+
+#[cfg(not(unix))]
+fn isolated(_: &Path, _: &Model, _: Duration) -> Result<Codels, lapwing_codels::LoadError> {
+    Err(lapwing_codels::LoadError("codels can be isolated on Unix only".to_owned()))
 }
 
 fn stop_when_interrupted(client: &Client) {

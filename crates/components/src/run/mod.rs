@@ -282,6 +282,12 @@ impl Run {
         self.wake = time;
     }
 
+    /// Ends it a while after a time, unless it would end before.
+    pub fn stop_at(&mut self, time: Time, after: Duration) {
+        let end = Duration::from_nanos(time.0.saturating_add(after.nanos()));
+        self.setup.duration = Some(self.setup.duration.map_or(end, |before| before.min(end)));
+    }
+
     /// Ends it.
     pub fn stop(&mut self) {
         self.end();
