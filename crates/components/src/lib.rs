@@ -25,6 +25,7 @@ mod figures;
 mod happening;
 pub mod request;
 
+pub mod model;
 mod record;
 mod signals;
 mod tell;

@@ -257,7 +257,7 @@ impl Guard {
 }
 
 /// Whether what is found means that a property could never be judged on these components.
-fn is_fatal(diagnostic: &Diagnostic) -> bool {
+pub(crate) fn is_fatal(diagnostic: &Diagnostic) -> bool {
     let is_absence = matches!(diagnostic.code, Code::MissingTopic | Code::TopicType | Code::MissingEvent | Code::MissingColumn);
     diagnostic.severity == Severity::Error || is_absence
 }

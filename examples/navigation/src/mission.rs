@@ -33,7 +33,7 @@ const BEFORE: &str = "
 @0.2s POM.Estimate()
 @0.5s PotentialField.TrackTarget()
 @0.5s SafetyPilot.StopIfObstacle()
-@1s   Navigation.GotoPosition(x=8, y=0)
+@1s   Navigation.GotoPosition(x=7, y=0)
 ";
 
 /// A mission.

@@ -5,8 +5,10 @@ mod run;
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::{Args, ColorChoice, Subcommand, ValueEnum};
+use lapwing_components::{Signals, Types, model};
 use lapwing_diag::{Style, render};
 use lapwing_draw::{Picture, draw};
 use lapwing_genom::automata::{self, Settings, System};
@@ -17,6 +19,7 @@ use lapwing_genom::{Disk, Loaded, Options, graph, load};
 
 use crate::complain::{Complaint, say, styles};
 use crate::exit::Exit;
+use crate::words::specs;
 
 /// Arguments of `genom`.
 #[derive(Debug, Args)]
@@ -133,6 +136,15 @@ pub struct BipArguments {
     /// Call the codels as external functions, and let what they return decide; else they only take time
     #[arg(long)]
     pub runtime: bool,
+    /// Let called codels throw exceptions, which end their activities and services; only with --runtime
+    #[arg(long, requires = "runtime")]
+    pub exceptions: bool,
+    /// A specification whose properties become monitors in the model, and whose reactions make requests
+    #[arg(long, value_name = "SPEC.rv")]
+    pub spec: Vec<PathBuf>,
+    /// Requests, one on each line with its time, `@1s LaserDriver.Acquire()`: a client makes them, and nobody else makes any
+    #[arg(long, value_name = "FILE")]
+    pub requests: Option<PathBuf>,
 }
 
 /// Arguments of `headers`.
@@ -156,18 +168,36 @@ pub fn run(arguments: &Genom) -> Result<Exit, Complaint> {
         Action::Graph(arguments) => picture(arguments)?,
         Action::Bip(arguments) => {
             let loaded = read(&arguments.model.reading)?;
-            let system = system(&loaded, &arguments.model, arguments.runtime)?;
-            lapwing_bip::print(&emit::bip(Input { system: &system, sources: &loaded.sources }))
+            bip(arguments, loaded)?
         }
         Action::Uppaal(arguments) => {
             let loaded = read(&arguments.reading)?;
-            let system = system(&loaded, arguments, false)?;
+            let system = system(&loaded, arguments, false, false)?;
             emit::uppaal(Input { system: &system, sources: &loaded.sources })
         }
     };
     // Where nobody reads it there is nothing to be done.
     drop(io::stdout().write_all(text.as_bytes()));
     Ok(Exit::Good)
+}
+
+/// The components in RT-BIP, with the monitors and the client that are asked for.
+fn bip(arguments: &BipArguments, loaded: Loaded) -> Result<String, Complaint> {
+    let system = system(&loaded, &arguments.model, arguments.runtime, arguments.exceptions)?;
+    let mut package = emit::bip(Input { system: &system, sources: &loaded.sources });
+    let model = Arc::new(loaded.model);
+    let types = Types::new(&model);
+    let (_, style) = styles(arguments.model.reading.color);
+    if let Some(path) = &arguments.requests {
+        let requests = run::requests_of(path, &model, &types)?;
+        package = model::with_requests(package, &system, &model, &requests);
+    }
+    let signals = Signals::new(&model, &types);
+    for spec in &specs(&arguments.spec, &[], style)? {
+        let with = model::with_monitors(package, &system, &model, spec, &signals, style);
+        package = with.map_err(|wrong| Complaint::rendered(wrong.0))?;
+    }
+    Ok(lapwing_bip::print(&package))
 }
 
 /// Writes what C codels are compiled with, and says how.
@@ -286,13 +316,18 @@ fn picture(arguments: &GraphArguments) -> Result<String, Complaint> {
     Ok(draw(&name, &graphs, picture))
 }
 
-fn system(loaded: &Loaded, arguments: &ModelArguments, runtime: bool) -> Result<System, Complaint> {
+fn system(
+    loaded: &Loaded,
+    arguments: &ModelArguments,
+    runtime: bool,
+    exceptions: bool,
+) -> Result<System, Complaint> {
     if loaded.model.components.is_empty() {
         let complaint = Complaint::new("there is no component to make a model of");
         return Err(complaint.help("interfaces and types alone do nothing: give the file that says `component`"));
     }
     let settings =
-        Settings { instances: arguments.instances, rules: Rules { readers_share: arguments.readers_share }, runtime, exceptions: false };
+        Settings { instances: arguments.instances, rules: Rules { readers_share: arguments.readers_share }, runtime, exceptions };
     built(loaded, settings)
 }
 

@@ -151,17 +151,21 @@ fn ask(run: &mut Run, path: &Path, is_real: bool) -> Result<(), Complaint> {
         thread::spawn(move || listen(&client, &model, &types));
         return Ok(());
     }
+    requests_of(path, &model, &types)?.into_iter().for_each(|(time, request)| run.schedule(time, request));
+    Ok(())
+}
+
+/// The requests of a file, or of standard input.
+pub fn requests_of(path: &Path, model: &Model, types: &Types) -> Result<Vec<request::Timed>, Complaint> {
     let text = match path == Path::new("-") {
         true => io::read_to_string(io::stdin()),
         false => std::fs::read_to_string(path),
     };
     let text = text.map_err(|e| Complaint::new(format!("{} cannot be read: {e}", path.display())))?;
-    let requests = request::file(&model, &types, &text).map_err(|errors| {
+    request::file(model, types, &text).map_err(|errors| {
         let one = |e: &request::RequestError| format!("error: {}:{e}\n", path.display());
         Complaint::rendered(errors.iter().map(one).collect())
-    })?;
-    requests.into_iter().for_each(|(time, request)| run.schedule(time, request));
-    Ok(())
+    })
 }
 
 /// Makes requests as their lines come; a time before one is passed over.
