@@ -49,10 +49,16 @@ pub const LAYERS: &[(&str, &[&str], &[&str])] = &[
         &["diag", "draw", "stream", "syntax", "engine", "check", "record", "ros", "react"],
         &["bytes", "mcap", "serde_json"],
     ),
+    (
+        "components",
+        &["diag", "stream", "check", "react", "bip", "genom", "lapwing"],
+        &["mcap", "rand_pcg"],
+    ),
+    ("codels", &["stream", "genom", "components"], &["libloading"]),
     ("tracing", &["diag", "stream", "check", "react", "lapwing"], &["log", "tracing", "tracing-subscriber"]),
     (
         "cli",
-        &["diag", "draw", "stream", "syntax", "record", "sim", "ros", "react", "page", "bip", "genom", "lapwing"],
+        &["diag", "draw", "stream", "syntax", "record", "sim", "ros", "react", "page", "bip", "genom", "lapwing", "components", "codels"],
         &["anstream", "clap", "ctrlc", "indicatif", "ratatui", "serde_json", "signal-hook", "strsim"],
     ),
 ];

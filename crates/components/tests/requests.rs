@@ -11,7 +11,7 @@ const SERVICES: &str = "
   struct point { double x, y; };
 component C {
   ids { long n; };
-  function Go(in point to = { .x = 1.5 }, in mode how = SLOW, in sequence<double, 3> via = {}, in string<8> name = \"r\") {};
+  function Go(in point to = { .x = 1.5 }, in mode how = SLOW, in sequence<double, 3> via = { [0] = 9. }, in string<8> name = \"r\") {};
   function Plain(in long n, in unsigned short most = 7, out double sum) {};
   attribute Set(in n = 4);
 };

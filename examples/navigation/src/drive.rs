@@ -116,11 +116,14 @@ fn potential_field() -> Codels {
 /// How near an obstacle counts as touching: the field has no end there.
 const NEAREST: f64 = 0.15;
 
+/// How much an obstacle leads around it, as a share of how much it pushes away.
+const AROUND: f64 = 0.8;
+
 /// The speed that the field asks for: the target pulls, and what the laser sees pushes, the more the nearer it is.
 fn speeds(call: &Call) -> Result<(f64, f64), Trouble> {
     let (x, y, yaw) = (call.number("pose.x")?, call.number("pose.y")?, call.number("pose.yaw")?);
     let (dx, dy) = (call.number("target.x")? - x, call.number("target.y")? - y);
-    let (far, angle) = (libm::hypot(dx, dy), libm::atan2(dy, dx) - yaw);
+    let (far, angle) = (libm::hypot(dx, dy), lapwing_sim::wrap(libm::atan2(dy, dx) - yaw));
     let (attraction, repulsion) = (call.number("gains.attraction")?, call.number("gains.repulsion")?);
     let reach = call.number("gains.reach")?;
     let pull = attraction * far.min(1.0);
@@ -130,8 +133,11 @@ fn speeds(call: &Call) -> Result<(f64, f64), Trouble> {
     for (beam, range) in ranges.iter().enumerate().filter(|(_, range)| **range < reach) {
         let near = (range - crate::field::RADIUS).max(NEAREST);
         let push = repulsion * (1.0 / near - 1.0 / reach).max(0.0) / near * width;
-        let (sin, cos) = libm::sincos((beam as f64 + 0.5) * width - std::f64::consts::FRAC_PI_2);
-        (ahead, left) = (ahead - push * cos, left - push * sin);
+        let direction = (beam as f64 + 0.5) * width - std::f64::consts::FRAC_PI_2;
+        let (sin, cos) = libm::sincos(direction);
+        // Around it as well as away from it, on the side of the target: else the robot would stand where the forces cancel.
+        let around = if angle >= direction { AROUND * push } else { -AROUND * push };
+        (ahead, left) = (ahead - push * cos - around * sin, left - push * sin + around * cos);
     }
     let turn = libm::atan2(left, ahead.max(0.05));
     Ok((ahead.clamp(0.0, 0.8) * libm::cos(turn).max(0.0), (1.5 * turn).clamp(-1.5, 1.5)))

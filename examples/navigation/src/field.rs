@@ -17,7 +17,7 @@ const RAMP: (f64, f64) = (1.5, 6.0);
 pub const RADIUS: f64 = 0.2;
 
 /// Where the pillars stand, and their radii.
-pub const PILLARS: [([f64; 2], f64); 3] = [([2.2, 0.35], 0.3), ([4.2, -0.4], 0.3), ([6.0, 0.9], 0.25)];
+pub const PILLARS: [([f64; 2], f64); 3] = [([2.2, 0.6], 0.3), ([4.0, -0.15], 0.3), ([5.6, 0.9], 0.25)];
 
 /// The floor as all codels share it.
 #[derive(Clone)]

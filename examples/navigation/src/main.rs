@@ -27,13 +27,13 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let file = |name: &str| Some(Path::new(env!("CARGO_MANIFEST_DIR")).join(name));
     let (good, strict) = (file("navigation.rv"), file("too_strict.rv"));
-    let delay = Some((2.5, 4.0));
+    let delay = Some((6.0, 3.0));
     let slow = file("small.wcet");
     let plain = Mission { is_real: arguments.real_time, seed: arguments.seed, ..Mission::default() };
     let runs = [
         ("100 ms, no fault", "healthy", Mission { spec: good.clone(), ..plain.clone() }),
-        ("scans held back by 2.5 s from 4 s on, nobody watches", "unwatched", Mission { delay, ..plain.clone() }),
-        ("scans held back by 2.5 s from 4 s on, 100 ms", "delayed", Mission { spec: good.clone(), delay, ..plain.clone() }),
+        ("scans held back by 6 s from 3 s on, nobody watches", "unwatched", Mission { delay, ..plain.clone() }),
+        ("scans held back by 6 s from 3 s on, 100 ms", "delayed", Mission { spec: good.clone(), delay, ..plain.clone() }),
         ("40 ms, no fault", "strict", Mission { spec: strict, ..plain.clone() }),
         ("real time, execution times too small", "small-wcet", Mission { wcet: slow, is_real: true, seconds: 2.0, ..plain }),
     ];

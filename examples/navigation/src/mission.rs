@@ -18,7 +18,7 @@ use crate::{drive, drivers, native, pom};
 const BEFORE: &str = "
 @0s   RobotDriver.SetLimits()
 @0s   POM.SetNoise()
-@0s   Navigation.SetTolerance()
+@0s   Navigation.SetTolerance(0.3)
 @0s   PotentialField.SetGains()
 @0s   SafetyPilot.SetDistance()
 @0s   LaserDriver.Connect()
