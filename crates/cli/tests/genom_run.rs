@@ -131,7 +131,9 @@ impl Bench {
 
     fn compile(&self, source: &str) {
         let mut compiler = Command::new("cc");
-        compiler.current_dir(self.folder.path()).args(["-shared", "-fPIC", "-Wall", "-Wextra", "-Werror", "-I", "made"]);
+        compiler
+            .current_dir(self.folder.path())
+            .args(["-shared", "-fPIC", "-Wall", "-Wextra", "-Werror", "-I", "made"]);
         let output = compiler.args(["-o", "libc.so", "made/C_glue.c", source]).output().unwrap();
         assert!(output.status.success(), "{}", said(&output));
     }
@@ -139,7 +141,18 @@ impl Bench {
     /// A run of a request or several.
     fn run(&self, requests: &str, more: &[&str]) -> Output {
         self.file("requests", requests);
-        let usual = ["genom", "run", "c.gen", "--requests", "requests", "--codels", "libc.so", "--duration", "200ms", "--verbose"];
+        let usual = [
+            "genom",
+            "run",
+            "c.gen",
+            "--requests",
+            "requests",
+            "--codels",
+            "libc.so",
+            "--duration",
+            "200ms",
+            "--verbose",
+        ];
         self.lapwing(&[&usual, more].concat())
     }
 }
@@ -150,7 +163,7 @@ fn said(output: &Output) -> String {
 
 const FILL: &str = "@0s C.Fill(from={b=true, o=200, c=-3, s=-300, us=60000, l=7, ul=4000000000, ll=-9000000000000000001, \
 ull=18000000000000000001, m=FAST, name=\"eight888\", text=\"any lengthy text\", p={x=0.1, y=1.5}, pair=[{x=1, y=2}, {x=3, y=4}], \
-many=[{x=5, y=6}, {x=7, y=8}], few=[10, 20], maybe=2.5}, word=\"q\")\n";
+many=[{x=5, y=6}, {x=7, y=8}], few=[10, 20], maybe=2.5}, kind={real=0.5}, word=\"q\")\n";
 
 #[test]
 fn codels_in_c_are_given_every_type_and_give_it_back() {
@@ -176,19 +189,21 @@ fn the_answers_of_c_are_events_exceptions_and_lies() {
     let text = said(&bench.run("@0s C.Go(until=-5)\n@50ms C.Go(until=-3)\n@100ms C.Go(until=-4)\n", &[]));
     assert!(text.contains("report #1 C.Go NO_LUCK (until=-5.0)"), "{text}");
     assert!(text.contains("report #2 C.Go bad_transition (a lie) (until=-3.0)"), "{text}");
-    assert!(text.contains("overrun C.Go.main CMain took 3") && text.contains("2 ms is its wcet (c.gen:26)"), "{text}");
+    assert!(text.contains("overrun C.Go.main CMain took 3") && text.contains("2 ms is its wcet (c.gen:25)"), "{text}");
 }
 
 #[test]
 fn a_codel_that_crashes_or_hangs_in_its_own_process_is_named_with_its_line() {
     let bench = Bench::new().compiled();
-    for (until, words) in [("-1", "its process died: signal: 11"), ("-2", "it has not returned for 0.2 s, and its process was ended")] {
+    for (until, words) in
+        [("-1", "its process died: signal: 11"), ("-2", "it has not returned for 0.2 s, and its process was ended")]
+    {
         for time in [&[][..], &["--real-time"][..]] {
             let more = [&["--isolate", "--patience", "200ms"][..], time].concat();
             let output = bench.run(&format!("@0s C.Go(until={until})\n"), &more);
             let text = said(&output);
             assert_eq!(output.status.code(), Some(1), "{text}");
-            let name = "the codel `CMain` of C.Go.main (c.gen:26) could not be run: ";
+            let name = "the codel `CMain` of C.Go.main (c.gen:25) could not be run: ";
             assert!(text.contains(name) && text.contains(words), "{text}");
         }
     }
@@ -213,7 +228,8 @@ fn navigation() -> String {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/navigation/robot_navigation.gen").display().to_string()
 }
 
-const MISSION: &str = "@0s LaserDriver.Acquire()\n@0s SafetyPilot.StopIfObstacle()\n@500ms Navigation.GotoPosition(x=3, y=1)\n";
+const MISSION: &str =
+    "@0s LaserDriver.Acquire()\n@0s SafetyPilot.StopIfObstacle()\n@500ms Navigation.GotoPosition(x=3, y=1)\n";
 
 const SPEC: &str = "use std.robot
 event laser = write LaserDriver.Laser
@@ -239,9 +255,8 @@ fn a_run_is_watched_recorded_and_judged_again() {
     assert_eq!(std::fs::read(bench.path("a.mcap")).unwrap(), std::fs::read(bench.path("c.mcap")).unwrap());
     let facts = |json: &[u8]| {
         let all: serde_json::Value = serde_json::from_slice(json).unwrap();
-        let of = |p: &serde_json::Value| {
-            ["name", "verdict", "obligations", "violations"].map(|key| p[key].clone()).to_vec()
-        };
+        let of =
+            |p: &serde_json::Value| ["name", "verdict", "obligations", "violations"].map(|key| p[key].clone()).to_vec();
         all[0]["properties"].as_array().unwrap().iter().map(of).collect::<Vec<_>>()
     };
     let live = facts(&first.stdout);
@@ -249,7 +264,17 @@ fn a_run_is_watched_recorded_and_judged_again() {
         let again = bench.lapwing(&["check", "spec.rv", record, "--format", "json"]);
         assert_eq!(facts(&again.stdout), live, "{record}");
     }
-    let text = said(&bench.lapwing(&["genom", "run", &gen_file, "--spec", "spec.rv", "--requests", "requests", "--duration", "20s"]));
+    let text = said(&bench.lapwing(&[
+        "genom",
+        "run",
+        &gen_file,
+        "--spec",
+        "spec.rv",
+        "--requests",
+        "requests",
+        "--duration",
+        "20s",
+    ]));
     assert!(text.contains("violation Scan_Fail: ") && text.contains("SafetyPilot.Stop(), by Scan_Fail"), "{text}");
 }
 
@@ -260,8 +285,14 @@ fn what_components_do_not_have_is_an_error_before_anything_runs() {
     for (spec, words) in [
         ("event l = write LaserDriver.Lasr\nnever l\n", "did you mean /LaserDriver/Laser?"),
         ("property p: never running Navigation.Goto\n", "Navigation/Goto/running"),
-        ("property p: never running Navigation.GotoPosition\non violation of p { request SafetyPilot.Halt }\n", "has no service `Halt`; it has"),
-        ("property p: never running Navigation.GotoPosition\non violation of p { request Navigation.GotoPosition }\n", "needs a value for `x`"),
+        (
+            "property p: never running Navigation.GotoPosition\non violation of p { request SafetyPilot.Halt }\n",
+            "has no service `Halt`; it has",
+        ),
+        (
+            "property p: never running Navigation.GotoPosition\non violation of p { request Navigation.GotoPosition }\n",
+            "needs a value for `x`",
+        ),
         ("never LaserDriver.Laser.took > 1\n", "took"),
     ] {
         bench.file("spec.rv", spec);
@@ -283,8 +314,12 @@ fn requests_come_on_standard_input_while_it_runs() {
     let bench = Bench::new();
     let mut command = Command::new(env!("CARGO_BIN_EXE_lapwing"));
     command.current_dir(bench.folder.path()).args(["genom", "run", "c.gen", "--real-time", "--requests", "-"]);
-    bench.file("spec.rv", "event done = report C.Get\nproperty once: never done\non violation of once { stop }\n");
-    command.args(["--spec", "spec.rv", "--duration", "60s"]).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    bench.file("spec.rv", "event done = report C.Get\nproperty told: never done\non violation of told { stop }\n");
+    command
+        .args(["--spec", "spec.rv", "--duration", "60s"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
     let mut child = command.spawn().unwrap();
     let mut lines = child.stdin.take().unwrap();
     lines.write_all(b"C.Gone()\nC.Get()\n").unwrap();
@@ -303,10 +338,11 @@ fn a_model_with_monitors_and_a_client_runs_in_the_bip_engine() {
     bench.file("spec.rv", &SPEC.replace("  stop", ""));
     bench.file("requests", MISSION);
     let gen_file = navigation();
-    let model = bench.lapwing(&["genom", "bip", &gen_file, "--instances", "1", "--spec", "spec.rv", "--requests", "requests"]);
+    let model =
+        bench.lapwing(&["genom", "bip", &gen_file, "--instances", "1", "--spec", "spec.rv", "--requests", "requests"]);
     assert!(model.status.success(), "{}", said(&model));
     std::fs::write(bench.path("m.bip"), &model.stdout).unwrap();
-    let ran = bench.lapwing(&["bip", "run", "m.bip", "--seed", "1", "--limit", "9000"]);
+    let ran = bench.lapwing(&["bip", "run", "m.bip", "--seed", "1", "--limit", "20000"]);
     let log = said(&ran);
     let at = |words: &str| log.find(words).unwrap_or_else(|| panic!("no `{words}`: {}", &log[log.len() - 2000..]));
     assert!(at("choose [") < log.len() && ran.status.code() == Some(0));

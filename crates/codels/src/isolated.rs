@@ -64,7 +64,8 @@ impl Process {
         let child = command.spawn().map_err(|e| cannot(e.to_string()))?;
         drop(command);
         let mut from = ours.try_clone().map_err(|e| cannot(e.to_string()))?;
-        let hello = read_frame(&mut from).ok_or_else(|| cannot("it ended before it had loaded the library".to_owned()))?;
+        let hello =
+            read_frame(&mut from).ok_or_else(|| cannot("it ended before it had loaded the library".to_owned()))?;
         let hello = String::from_utf8_lossy(&hello).into_owned();
         let interface = match hello.split_once(' ') {
             Some(("has", print)) => Some(print.to_owned()),
@@ -130,7 +131,8 @@ impl Border for Process {
             Err(RecvTimeoutError::Disconnected) => Err(self.crashed()),
             Err(RecvTimeoutError::Timeout) => {
                 drop(lock(&self.child).kill());
-                let message = format!("it has not returned for {} s, and its process was ended", self.patience.as_secs_f64());
+                let message =
+                    format!("it has not returned for {} s, and its process was ended", self.patience.as_secs_f64());
                 Err(Trouble { kind: TroubleKind::Hung, message })
             }
         }

@@ -14,8 +14,7 @@ use lapwing_components::{Trouble, TroubleKind};
 use crate::{Border, LoadError};
 
 type Interface = unsafe extern "C" fn() -> *const c_char;
-type CallFunction =
-    unsafe extern "C" fn(u32, *const c_uchar, usize, *mut *mut c_uchar, *mut usize) -> c_int;
+type CallFunction = unsafe extern "C" fn(u32, *const c_uchar, usize, *mut *mut c_uchar, *mut usize) -> c_int;
 type Free = unsafe extern "C" fn(*mut c_uchar);
 
 /// A library that has been loaded; it stays until the end of the process, since its threads may.

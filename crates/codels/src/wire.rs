@@ -60,7 +60,9 @@ fn write(types: &Types, ty: &Type, datum: &Datum, out: &mut Vec<u8>) -> Result<(
             out.extend(u32::try_from(*i).unwrap_or(0).to_ne_bytes());
             Ok(())
         }
-        (Layout::Array(inner, _), Datum::List(items)) => items.iter().try_for_each(|item| write(types, &inner, item, out)),
+        (Layout::Array(inner, _), Datum::List(items)) => {
+            items.iter().try_for_each(|item| write(types, &inner, item, out))
+        }
         (Layout::Sequence(inner, _), Datum::List(items)) => {
             length(items.len(), out);
             items.iter().try_for_each(|item| write(types, &inner, item, out))
@@ -94,7 +96,9 @@ fn basic_out(basic: Basic, datum: &Datum, out: &mut Vec<u8>) -> Result<(), Strin
     match (basic, datum) {
         (Basic::Boolean | Basic::Char | Basic::Octet, Datum::Int(_) | Datum::Bool(_)) => out.push(whole as u8),
         (Basic::Short | Basic::UnsignedShort, Datum::Int(_)) => out.extend((whole as u16).to_ne_bytes()),
-        (Basic::Long | Basic::UnsignedLong | Basic::WideChar, Datum::Int(_)) => out.extend((whole as u32).to_ne_bytes()),
+        (Basic::Long | Basic::UnsignedLong | Basic::WideChar, Datum::Int(_)) => {
+            out.extend((whole as u32).to_ne_bytes())
+        }
         (Basic::LongLong | Basic::UnsignedLongLong, Datum::Int(_)) => out.extend((whole as u64).to_ne_bytes()),
         (Basic::Float, Datum::Float(x)) => out.extend((*x as f32).to_ne_bytes()),
         (Basic::Double, Datum::Float(x)) => out.extend(x.to_ne_bytes()),
@@ -227,7 +231,9 @@ impl Reader<'_> {
                 let found = cases.iter().position(|(tags, _)| has(tags));
                 let found = found.or_else(|| cases.iter().position(|(tags, _)| tags.is_empty()));
                 match found.and_then(|number| Some((number, cases.get(number)?))) {
-                    Some((number, (_, inner))) => Datum::Union(tag, Some((number, Box::new(self.value(inner, depth + 1)?)))),
+                    Some((number, (_, inner))) => {
+                        Datum::Union(tag, Some((number, Box::new(self.value(inner, depth + 1)?))))
+                    }
                     None => Datum::Union(tag, None),
                 }
             }

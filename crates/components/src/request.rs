@@ -165,9 +165,7 @@ fn values(types: &Types, service: &Service, given: Vec<(Option<String>, Literal)
     let named = all.into_iter().zip(&service.parameters);
     named
         .map(|(value, parameter)| {
-            value.ok_or_else(|| {
-                format!("`{}` needs a value for `{}`: {0}({1}=…)", service.name, parameter.name)
-            })
+            value.ok_or_else(|| format!("`{}` needs a value for `{}`: {0}({1}=…)", service.name, parameter.name))
         })
         .collect()
 }
@@ -189,6 +187,14 @@ fn value(types: &Types, ty: &lapwing_genom::model::Type, base: Datum, literal: L
             };
             let items = items.into_iter().map(|item| value(types, &inner, types.initial(&inner), item));
             types.fit(ty, Datum::List(items.collect::<Result<_, _>>()?))
+        }
+        Literal::Parts(mut parts) if matches!(types.shape(ty), crate::types::Shape::Union(_)) => {
+            let (Some((name, part)), true) = (parts.pop(), parts.is_empty()) else {
+                return Err("a union has one member at a time".to_owned());
+            };
+            let (tag, number, inner) = types.case(ty, &name)?;
+            let part = value(types, &inner, types.initial(&inner), part)?;
+            Ok(Datum::Union(tag, Some((number, Box::new(part)))))
         }
         Literal::Parts(parts) => {
             let mut whole = base;

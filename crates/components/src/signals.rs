@@ -73,7 +73,11 @@ impl Signals {
             running: BTreeMap::new(),
         };
         let names = Type::Array(Box::new(Type::Str));
-        signals.add(COMPONENTS.to_owned(), "lapwing/Components", vec![field("names", names), field("ended", Type::Bool)]);
+        signals.add(
+            COMPONENTS.to_owned(),
+            "lapwing/Components",
+            vec![field("names", names), field("ended", Type::Bool)],
+        );
         for (number, component) in model.components.iter().enumerate() {
             signals.ports(number, component);
             for (service, declared) in component.services.iter().enumerate() {
@@ -93,7 +97,9 @@ impl Signals {
         for (place, port) in component.ports.iter().enumerate().filter(|(_, p)| p.is_out) {
             let name = format!("/{}/{}", component.name, port.name);
             let topic = match self.types.stream_type(&port.ty) {
-                ty if port.multiple => self.add(name, "lapwing/Ports", vec![field("name", Type::Str), field("value", ty)]),
+                ty if port.multiple => {
+                    self.add(name, "lapwing/Ports", vec![field("name", Type::Str), field("value", ty)])
+                }
                 Type::Message(schema) => self.add(name, &schema.name, schema.fields.clone()),
                 ty => self.add(name, "lapwing/Value", vec![field("data", ty)]),
             };
@@ -112,7 +118,8 @@ impl Signals {
                 Phase::End => ("end", "lapwing/End".to_owned()),
                 Phase::Report => ("report", format!("{}/{}_report", component.name, service.name)),
             };
-            let parameters = service.parameters.iter().filter_map(|p| Some(field(&p.name, self.types.stream_type(p.ty.as_ref()?))));
+            let parameters =
+                service.parameters.iter().filter_map(|p| Some(field(&p.name, self.types.stream_type(p.ty.as_ref()?))));
             let fields = match phase {
                 Phase::Running => vec![field("data", Type::Bool)],
                 Phase::End => vec![field("outcome", Type::Str)],

@@ -30,8 +30,7 @@ impl Locals {
     /// Those of a service, with the values of a request.
     pub fn new(types: &Types, service: &Service, values: &[Datum]) -> Locals {
         let parameters = service.parameters.iter().zip(values);
-        let parameters =
-            parameters.filter_map(|(p, value)| Some((p.name.clone(), (p.ty.clone()?, value.clone()))));
+        let parameters = parameters.filter_map(|(p, value)| Some((p.name.clone(), (p.ty.clone()?, value.clone()))));
         let locals = service.locals.iter().map(|l| (l.name.clone(), (l.ty.clone(), types.initial(&l.ty))));
         Locals { values: parameters.chain(locals).collect() }
     }
@@ -191,9 +190,11 @@ impl Store {
                     all.extend(written.into_iter().map(|value| Written { port: *port, name: None, value }));
                 }
                 (Object::Port(port), Held::Ports { written, .. }) => {
-                    all.extend(
-                        written.into_iter().map(|(name, value)| Written { port: *port, name: Some(name), value }),
-                    );
+                    all.extend(written.into_iter().map(|(name, value)| Written {
+                        port: *port,
+                        name: Some(name),
+                        value,
+                    }));
                 }
                 _ => {}
             }

@@ -61,7 +61,10 @@ impl Teller<'_> {
             What::Overrun { component, codel, took, wcet } => {
                 let codel = place(self.model, self.sources, *component, *codel);
                 let (took, wcet) = (shown(*took), shown(*wcet));
-                format!("overrun {} {} took {took}, and {wcet} is its wcet ({})", codel.name, codel.function, codel.place)
+                format!(
+                    "overrun {} {} took {took}, and {wcet} is its wcet ({})",
+                    codel.name, codel.function, codel.place
+                )
             }
             What::Missed { component, task } => {
                 let (name, at) = self.task(*component, task.0)?;

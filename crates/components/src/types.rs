@@ -100,8 +100,24 @@ impl Types {
             (Label::Name(name), Shape::Enum(names)) => names.iter().position(|n| n == name).map(|n| n as i128),
             _ => None,
         };
-        let one = |(labels, field): &(Vec<Label>, Field)| (labels.iter().filter_map(number).collect(), field.ty.clone());
+        let one =
+            |(labels, field): &(Vec<Label>, Field)| (labels.iter().filter_map(number).collect(), field.ty.clone());
         cases.iter().map(one).collect()
+    }
+
+    /// The member of a union by its name: a value that tells that it is there, its number, and its type.
+    pub(crate) fn case(&self, ty: &Type, name: &str) -> Result<(i128, usize, Type), String> {
+        let Layout::Union(cases) = self.layout(ty) else { return Err("it is no union".to_owned()) };
+        let Shape::Union(fields) = self.shape(ty) else { return Err("it is no union".to_owned()) };
+        let number = fields.iter().position(|(_, field)| field.name == name).ok_or_else(|| {
+            let names: Vec<&str> = fields.iter().map(|(_, field)| field.name.as_str()).collect();
+            format!("there is no `{name}` in it; there are {}", names.join(", "))
+        })?;
+        let (tags, inner) = cases.get(number).cloned().ok_or("it is no union")?;
+        // The member for all other values is told by the least value that no other member has.
+        let is_taken = |tag: &i128| cases.iter().any(|(tags, _)| tags.contains(tag));
+        let tag = tags.first().copied().or_else(|| (0..=MOST_PARTS.into()).find(|tag| !is_taken(tag)));
+        Ok((tag.unwrap_or(0), number, inner))
     }
 
     /// Those of a model.
@@ -233,9 +249,7 @@ impl Types {
             },
             (Shape::Enum(names), Datum::Text(name)) => {
                 let number = names.iter().position(|n| *n == name);
-                number
-                    .map(|n| Datum::Int(n as i128))
-                    .ok_or_else(|| format!("`{name}` is none of {}", names.join(", ")))
+                number.map(|n| Datum::Int(n as i128)).ok_or_else(|| format!("`{name}` is none of {}", names.join(", ")))
             }
             (Shape::Enum(names), Datum::Int(i)) => match usize::try_from(i).ok().filter(|i| *i < names.len()) {
                 Some(_) => Ok(Datum::Int(i)),
@@ -363,9 +377,7 @@ impl Types {
                 )
             }
             (Shape::Union(cases), Datum::Union(_, Some((number, value)))) => match cases.get(*number) {
-                Some((_, field)) => {
-                    Value::Record(vec![(field.name.as_str().into(), self.to_value(&field.ty, value))])
-                }
+                Some((_, field)) => Value::Record(vec![(field.name.as_str().into(), self.to_value(&field.ty, value))]),
                 None => Value::Missing,
             },
             (Shape::Optional(inner), Datum::Optional(Some(value))) => self.to_value(inner, value),
@@ -421,7 +433,7 @@ fn words(shape: Shape<'_>) -> String {
         Shape::Sequence(..) | Shape::Array(..) => "a list `[…]`".to_owned(),
         Shape::Optional(_) => "a value".to_owned(),
         Shape::Struct(_) => "a structure `{member=…}`".to_owned(),
-        Shape::Union(..) => "a union, which cannot be written here,".to_owned(),
+        Shape::Union(..) => "a member of a union `{member=…}`".to_owned(),
         Shape::Enum(names) => format!("one of {}", names.join(", ")),
         Shape::Native => "what only codels know, and cannot be written here,".to_owned(),
         Shape::Other(what) => what.to_owned(),

@@ -78,7 +78,11 @@ impl Watch {
                 Err(Mismatch(text)) => wrong += &text,
             }
         }
-        if wrong.is_empty() { Ok(Watch { all, signals, has_begun: false, news: Vec::new() }) } else { Err(Mismatch(wrong)) }
+        if wrong.is_empty() {
+            Ok(Watch { all, signals, has_begun: false, news: Vec::new() })
+        } else {
+            Err(Mismatch(wrong))
+        }
     }
 
     /// The topics of the system.
@@ -209,7 +213,8 @@ impl Guard {
     fn answer(&mut self, run: &mut Run, news: &News) {
         let name = news.property.name.clone();
         let mut wanted = Vec::new();
-        for (number, reaction) in self.reactions.iter().enumerate().filter(|(_, r)| r.properties.contains(&news.number)) {
+        for (number, reaction) in self.reactions.iter().enumerate().filter(|(_, r)| r.properties.contains(&news.number))
+        {
             let (key, now) = ((number, name.clone()), run.now());
             if let Some(every) = reaction.at_most_every {
                 let last = self.last.get(&key);
@@ -258,7 +263,8 @@ impl Guard {
 
 /// Whether what is found means that a property could never be judged on these components.
 pub(crate) fn is_fatal(diagnostic: &Diagnostic) -> bool {
-    let is_absence = matches!(diagnostic.code, Code::MissingTopic | Code::TopicType | Code::MissingEvent | Code::MissingColumn);
+    let is_absence =
+        matches!(diagnostic.code, Code::MissingTopic | Code::TopicType | Code::MissingEvent | Code::MissingColumn);
     diagnostic.severity == Severity::Error || is_absence
 }
 

@@ -44,7 +44,8 @@ component Nav {
 };
 ";
 
-const REQUESTS: &str = "@0s Laser.Acquire()\n@300ms Nav.Goto()\n@900ms Nav.Stop()\n@1s Nav.Goto()\n@1500ms Nav.Goto()\n@2s Nav.Goto()\n";
+const REQUESTS: &str =
+    "@0s Laser.Acquire()\n@300ms Nav.Goto()\n@900ms Nav.Stop()\n@1s Nav.Goto()\n@1500ms Nav.Goto()\n@2s Nav.Goto()\n";
 
 const SPEC: &str = "use std.robot
 event scan = write Laser.Scan
@@ -84,7 +85,9 @@ fn run(text: &str, seed: u64) -> Vec<(String, i64)> {
     let mut sources = SourceMap::default();
     let file = sources.add("t.bip", text);
     let parsed = lapwing_bip::parse(file, text);
-    let said = |all: &[lapwing_diag::Diagnostic]| all.iter().map(|d| lapwing_diag::render(&sources, d, Style::Plain)).collect::<String>();
+    let said = |all: &[lapwing_diag::Diagnostic]| {
+        all.iter().map(|d| lapwing_diag::render(&sources, d, Style::Plain)).collect::<String>()
+    };
     assert!(parsed.diagnostics.is_empty(), "{}", said(&parsed.diagnostics));
     let checked = lapwing_bip::check(&parsed.package, &[]);
     assert!(!lapwing_diag::has_errors(&checked.diagnostics), "{}", said(&checked.diagnostics));
@@ -116,10 +119,11 @@ fn nanoseconds(text: &str) -> i64 {
             rest = &rest[1..];
             continue;
         }
-        let (unit, scale) = [("min", 60_000_000_000), ("ms", 1_000_000), ("us", 1_000), ("ns", 1), ("s", 1_000_000_000)]
-            .into_iter()
-            .find(|(unit, _)| rest.starts_with(unit))
-            .unwrap();
+        let (unit, scale) =
+            [("min", 60_000_000_000), ("ms", 1_000_000), ("us", 1_000), ("ns", 1), ("s", 1_000_000_000)]
+                .into_iter()
+                .find(|(unit, _)| rest.starts_with(unit))
+                .unwrap();
         (all, number, rest) = (all + number * scale, 0, &rest[unit.len()..]);
     }
     all
@@ -173,7 +177,8 @@ fn a_run_of_the_model_and_the_specification_agree_on_every_violation() {
         let report = Session::open(&specs, &file, &Options::default()).unwrap().run(&mut ());
         for property in &report.properties {
             let said: Vec<i64> = property.violations.iter().map(|v| v.failed.0).collect();
-            let reported: Vec<i64> = chosen.iter().filter(|(name, _)| *name == property.name).map(|(_, t)| *t).collect();
+            let reported: Vec<i64> =
+                chosen.iter().filter(|(name, _)| *name == property.name).map(|(_, t)| *t).collect();
             // A bound is over one nanosecond after its end; what holds at once is violated at once.
             let late = i64::from(property.name != "quiet");
             let reported: Vec<i64> = reported.into_iter().map(|t| t - late).collect();
@@ -195,7 +200,9 @@ fn a_monitor_hinders_nothing() {
     // The same lots are drawn for what both have; what is only watched comes between.
     let without: Vec<(String, i64)> = run(&text(&model, &sources, &bare), 5);
     let with: Vec<(String, i64)> = run(&text(&model, &sources, &silent), 5);
-    let scans = |all: &[(String, i64)]| all.iter().filter(|(n, _)| n.starts_with("Laser_t_timer")).map(|(_, t)| *t).collect::<Vec<_>>();
+    let scans = |all: &[(String, i64)]| {
+        all.iter().filter(|(n, _)| n.starts_with("Laser_t_timer")).map(|(_, t)| *t).collect::<Vec<_>>()
+    };
     let (one, two) = (scans(&without), scans(&with));
     let both = one.len().min(two.len());
     assert!(both > 20 && one[..both] == two[..both], "{one:?}\n{two:?}");

@@ -67,7 +67,8 @@ fn a_wrong_request_is_told_with_its_place_and_what_would_be_right() {
 fn a_file_gives_its_requests_in_the_order_of_their_times_and_all_its_errors() {
     let (model, _) = model(SERVICES);
     let types = Types::new(&model);
-    let read = request::file(&model, &types, "# a mission\n@20ms C.Set(n=2)\n\n@1.5us C.Set(n=1)\nC.Set(n=0) # now\n").unwrap();
+    let read = request::file(&model, &types, "# a mission\n@20ms C.Set(n=2)\n\n@1.5us C.Set(n=1)\nC.Set(n=0) # now\n")
+        .unwrap();
     let found: Vec<(Time, &Datum)> = read.iter().map(|(time, request)| (*time, &request.values[0])).collect();
     let wanted = [(Time(0), &Datum::Int(0)), (Time(1500), &Datum::Int(1)), (Time(20_000_000), &Datum::Int(2))];
     assert_eq!(found, wanted);

@@ -84,10 +84,18 @@ fn counting() -> Codels {
 #[test]
 fn codels_share_data_and_ports_and_an_exception_ends_their_activity() {
     let (model, sources) = model(COUNTER);
-    let mut run = start(&model, setup(200), counting(), "@0s Counter.SetMost(most=5)\n@1ms Counter.Count()\n@1ms Reader.Read()\n");
+    let mut run = start(
+        &model,
+        setup(200),
+        counting(),
+        "@0s Counter.SetMost(most=5)\n@1ms Counter.Count()\n@1ms Reader.Read()\n",
+    );
     let said = lines(&mut run, &sources).join("\n");
     assert!(said.contains("report #1 Counter.SetMost done (most=5.0)"), "{said}");
-    assert!(said.contains("end Counter.Count (1) TOO_FAR") && said.contains("report #2 Counter.Count TOO_FAR ()"), "{said}");
+    assert!(
+        said.contains("end Counter.Count (1) TOO_FAR") && said.contains("report #2 Counter.Count TOO_FAR ()"),
+        "{said}"
+    );
     assert_eq!(said.matches("write Counter.N").count(), 6, "{said}");
     assert_eq!(run.ids("Reader", "seen"), Some(Datum::Int(6)));
     assert_eq!(run.figures().all_missed(), 0);
@@ -119,9 +127,13 @@ fn an_interrupted_activity_stops_and_the_new_one_waits_for_that() {
 #[test]
 fn what_runs_before_its_first_turn_and_is_interrupted_runs_stop() {
     let (model, sources) = model(COUNTER);
-    let said = lines(&mut start(&model, setup(50), counting(), "@1ms Counter.Count()\n@2ms Counter.Count()\n"), &sources);
+    let said =
+        lines(&mut start(&model, setup(50), counting(), "@1ms Counter.Count()\n@2ms Counter.Count()\n"), &sources);
     let said = said.join("\n");
-    assert!(said.contains("call Counter.Count.stop Stop") && said.contains("end Counter.Count (1) interrupted"), "{said}");
+    assert!(
+        said.contains("call Counter.Count.stop Stop") && said.contains("end Counter.Count (1) interrupted"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -143,7 +155,8 @@ fn a_service_after_another_is_disallowed_before_its_success() {
            activity Go() { task t; codel<start> Run() yield ether wcet 1 ms; after Init; };
          };",
     );
-    let said = lines(&mut start(&model, setup(100), Codels::new(), "@0s C.Go()\n@1ms C.Init()\n@2ms C.Go()\n"), &sources);
+    let said =
+        lines(&mut start(&model, setup(100), Codels::new(), "@0s C.Go()\n@1ms C.Init()\n@2ms C.Go()\n"), &sources);
     let said = said.join("\n");
     assert!(said.contains("reply #1 C.Go refused: disallowed") && said.contains("report #3 C.Go done"), "{said}");
 }
@@ -237,7 +250,8 @@ fn a_task_without_a_period_wakes_for_its_activities() {
            activity Do() { task t; codel<start> D1() yield next wcet 1 ms; codel<next> D2() yield ether wcet 1 ms; };
          };",
     );
-    let said = lines(&mut start(&model, setup(100), Codels::new(), "@1ms C.Wait()\n@40ms C.Do()\n"), &sources).join("\n");
+    let said =
+        lines(&mut start(&model, setup(100), Codels::new(), "@1ms C.Wait()\n@40ms C.Do()\n"), &sources).join("\n");
     assert!(said.contains("start C.Wait") && said.contains("report #1 C.Wait done"), "{said}");
 }
 
@@ -261,7 +275,8 @@ fn permanent_activities_begin_one_after_the_other_and_before_requests() {
 fn in_real_time_tasks_run_at_the_same_time_and_come_as_often_as_they_should() {
     let (model, _) = model(COUNTER);
     let setup = Setup { is_real: true, ..setup(400) };
-    let mut run = start(&model, setup, counting(), "@0s Counter.SetMost(most=5)\n@1ms Counter.Count()\n@1ms Reader.Read()\n");
+    let mut run =
+        start(&model, setup, counting(), "@0s Counter.SetMost(most=5)\n@1ms Counter.Count()\n@1ms Reader.Read()\n");
     let happened = all(&mut run);
     // However slow the machine is: the order is this, and the counting ends where it should.
     let writes: Vec<f64> = happened

@@ -10,7 +10,8 @@ use lapwing_genom::automata::{Automaton, Class, Part, Settings, System, build};
 use lapwing_genom::model::{Codel, Role};
 use lapwing_genom::mutex::{Mutex, Rules};
 
-const ONE: Settings = Settings { instances: 1, rules: Rules { readers_share: false }, runtime: false, exceptions: false };
+const ONE: Settings =
+    Settings { instances: 1, rules: Rules { readers_share: false }, runtime: false, exceptions: false };
 
 fn automaton<'s>(system: &'s System, name: &str) -> &'s Automaton {
     system.automata.iter().find(|a| a.name == name).unwrap_or_else(|| panic!("no `{name}`"))

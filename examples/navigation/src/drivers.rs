@@ -107,7 +107,8 @@ fn base(field: &Field) -> Codels {
             let said = hears.motions(call.seconds());
             let pose = said.counted;
             let all = [("taken", call.seconds()), ("x", pose.x), ("y", pose.y), ("yaw", pose.yaw)];
-            for (name, value) in all.into_iter().chain([("speed.linear", said.linear), ("speed.angular", said.angular)]) {
+            for (name, value) in all.into_iter().chain([("speed.linear", said.linear), ("speed.angular", said.angular)])
+            {
                 call.set(&format!("motion.{name}"), value)?;
             }
             Ok(Answer::event("write_p"))

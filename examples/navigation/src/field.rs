@@ -84,7 +84,8 @@ impl Field {
     pub fn scan(&self, seconds: f64, beams: usize) -> Vec<f64> {
         let mut floor = self.at(seconds);
         let pose = floor.world.pose(floor.robot);
-        let angle = |beam: usize| pose.yaw + std::f64::consts::PI * (beam as f64 / beams.max(2).saturating_sub(1) as f64 - 0.5);
+        let angle =
+            |beam: usize| pose.yaw + std::f64::consts::PI * (beam as f64 / beams.max(2).saturating_sub(1) as f64 - 0.5);
         (0..beams)
             .map(|beam| {
                 let far = floor.world.look([pose.x, pose.y], angle(beam), REACH, floor.robot).unwrap_or(REACH);

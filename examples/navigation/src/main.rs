@@ -33,9 +33,17 @@ fn main() -> ExitCode {
     let runs = [
         ("100 ms, no fault", "healthy", Mission { spec: good.clone(), ..plain.clone() }),
         ("scans held back by 6 s from 3 s on, nobody watches", "unwatched", Mission { delay, ..plain.clone() }),
-        ("scans held back by 6 s from 3 s on, 100 ms", "delayed", Mission { spec: good.clone(), delay, ..plain.clone() }),
+        (
+            "scans held back by 6 s from 3 s on, 100 ms",
+            "delayed",
+            Mission { spec: good.clone(), delay, ..plain.clone() },
+        ),
         ("40 ms, no fault", "strict", Mission { spec: strict, ..plain.clone() }),
-        ("real time, execution times too small", "small-wcet", Mission { wcet: slow, is_real: true, seconds: 2.0, ..plain }),
+        (
+            "real time, execution times too small",
+            "small-wcet",
+            Mission { wcet: slow, is_real: true, seconds: 2.0, ..plain },
+        ),
     ];
     for (title, name, mission) in runs {
         println!("== {title}");

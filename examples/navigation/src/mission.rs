@@ -123,19 +123,16 @@ impl Mission {
             missed: 0,
             overruns: 0,
         };
-        self.watched(run, &mut watch, &teller, &field, went).map(|went| Went {
-            report: self.spec.is_some().then(|| watch.finish(None)),
-            ..went
-        })
+        self.watched(run, &mut watch, &teller, &field, went)
+            .map(|went| Went { report: self.spec.is_some().then(|| watch.finish(None)), ..went })
     }
 
     /// What is requested, and when.
     fn plan(&self, run: &mut Run) -> Result<(), String> {
         let delay = self.delay.map(|(delay, from)| format!("@{from}s LaserDriver.SetDelay(delay={delay:?})\n"));
         let text = format!("{BEFORE}{}", delay.unwrap_or_default());
-        let requests = request::file(run.model(), run.types(), &text).map_err(|errors| {
-            errors.iter().map(|e| e.to_string()).collect::<Vec<_>>().join("\n")
-        })?;
+        let requests = request::file(run.model(), run.types(), &text)
+            .map_err(|errors| errors.iter().map(|e| e.to_string()).collect::<Vec<_>>().join("\n"))?;
         requests.into_iter().for_each(|(time, request)| run.schedule(time, request));
         Ok(())
     }

@@ -28,6 +28,8 @@ fn compile(model: &Model, folder: &Path) -> Result<PathBuf, String> {
     let output = output.map_err(|e| format!("the C compiler cannot be run: {e}; set CC to the one that you have"))?;
     match output.status.success() {
         true => Ok(library),
-        false => Err(format!("the codels of SafetyPilot cannot be compiled:\n{}", String::from_utf8_lossy(&output.stderr))),
+        false => {
+            Err(format!("the codels of SafetyPilot cannot be compiled:\n{}", String::from_utf8_lossy(&output.stderr)))
+        }
     }
 }

@@ -49,7 +49,8 @@ impl Filter {
 
     /// One of its numbers was measured, with that standard deviation.
     pub fn correct(&mut self, number: usize, measured: f64, sigma: f64) {
-        let (Some(believed), Some(row)) = (self.state.get(number).copied(), self.covariance.get(number).copied()) else {
+        let (Some(believed), Some(row)) = (self.state.get(number).copied(), self.covariance.get(number).copied())
+        else {
             return;
         };
         let spread = row[number] + sigma * sigma;

@@ -66,7 +66,8 @@ fn a_recording_is_judged_as_the_run_was() {
     for name in ["run.mcap", "run.ndjson"] {
         let record = folder.path().join(name);
         let delay = Some((0.3, 3.0));
-        let mission = Mission { spec: Some(file("navigation.rv")), delay, record: Some(record.clone()), ..Mission::default() };
+        let mission =
+            Mission { spec: Some(file("navigation.rv")), delay, record: Some(record.clone()), ..Mission::default() };
         let live = mission.fly().unwrap().report.unwrap();
         let specs = [Spec::load(&file("navigation.rv")).unwrap()];
         let again = Session::open(&specs, &record, &Options::default()).unwrap().run(&mut ());

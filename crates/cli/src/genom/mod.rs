@@ -316,18 +316,17 @@ fn picture(arguments: &GraphArguments) -> Result<String, Complaint> {
     Ok(draw(&name, &graphs, picture))
 }
 
-fn system(
-    loaded: &Loaded,
-    arguments: &ModelArguments,
-    runtime: bool,
-    exceptions: bool,
-) -> Result<System, Complaint> {
+fn system(loaded: &Loaded, arguments: &ModelArguments, runtime: bool, exceptions: bool) -> Result<System, Complaint> {
     if loaded.model.components.is_empty() {
         let complaint = Complaint::new("there is no component to make a model of");
         return Err(complaint.help("interfaces and types alone do nothing: give the file that says `component`"));
     }
-    let settings =
-        Settings { instances: arguments.instances, rules: Rules { readers_share: arguments.readers_share }, runtime, exceptions };
+    let settings = Settings {
+        instances: arguments.instances,
+        rules: Rules { readers_share: arguments.readers_share },
+        runtime,
+        exceptions,
+    };
     built(loaded, settings)
 }
 

@@ -8,8 +8,7 @@ use std::thread;
 
 use clap::Args;
 use lapwing_components::{
-    Client, Codels, Failure, Recorder, Run, Setup, Signals, Teller, Types, Watch, What, place, request,
-    stamp,
+    Client, Codels, Failure, Recorder, Run, Setup, Signals, Teller, Types, Watch, What, place, request, stamp,
 };
 use lapwing_diag::{SourceMap, Style};
 use lapwing_genom::mutex::Rules;
@@ -211,12 +210,8 @@ impl Told<'_> {
         has_specs: bool,
     ) -> Result<Exit, Complaint> {
         let format: Format = self.arguments.format.into();
-        let teller = Teller {
-            model: self.model,
-            types: self.types,
-            sources: self.sources,
-            is_verbose: self.arguments.verbose,
-        };
+        let teller =
+            Teller { model: self.model, types: self.types, sources: self.sources, is_verbose: self.arguments.verbose };
         let is_text = format == Format::Text;
         let mut stdout = io::stdout().lock();
         let mut failure: Option<Failure> = None;

@@ -1,6 +1,8 @@
 //! A client as an atom: it makes the requests of a list, each at its time, and nobody else makes any.
 
-use lapwing_bip::ast::{AtomType, BinaryOp, Clock, Expr as Code, Initial, Name, Package, TimeUnit, Transition, Urgency};
+use lapwing_bip::ast::{
+    AtomType, BinaryOp, Clock, Expr as Code, Initial, Name, Package, TimeUnit, Transition, Urgency,
+};
 use lapwing_genom::Model;
 use lapwing_genom::automata::{Class, System};
 use lapwing_genom::emit::bip_name;

@@ -12,7 +12,6 @@ use lapwing_diag::{Code as Error, Diagnostic, Style, render};
 use lapwing_genom::Model;
 use lapwing_genom::automata::{Class, System};
 use lapwing_genom::emit::bip_name;
-use lapwing_stream::Duration;
 
 use super::formula::{Beyond, Reader, Shape, not, set};
 use super::letters::{Letter, letters};
@@ -37,8 +36,7 @@ pub fn with_monitors(
 ) -> Result<Package, Mismatch> {
     let checked = spec.against(&signals.shape());
     let earlier = &spec.findings().diagnostics;
-    let mut wrong: Vec<Diagnostic> =
-        checked.beyond(earlier).filter(|d| crate::watch::is_fatal(d)).cloned().collect();
+    let mut wrong: Vec<Diagnostic> = checked.beyond(earlier).filter(|d| crate::watch::is_fatal(d)).cloned().collect();
     let mut draft = Draft::new(package, system);
     for property in &checked.spec.properties {
         if let Err(found) = monitor(&mut draft, model, &checked.spec, property) {
@@ -64,7 +62,13 @@ fn monitor(draft: &mut Draft<'_>, model: &Model, spec: &checked::Spec, property:
     let mut reader = Reader { spec: Some(spec), ..Reader::default() };
     let shape = reader.shape(formula)?;
     let name = identifier(&property.name);
-    let mut atom = Monitor { name: format!("{name}_monitor"), reader, shape, topics: topics(spec, property), ports: BTreeMap::new() };
+    let mut atom = Monitor {
+        name: format!("{name}_monitor"),
+        reader,
+        shape,
+        topics: topics(spec, property),
+        ports: BTreeMap::new(),
+    };
     let system = draft.system;
     let mut watched = Vec::new();
     for (number, automaton) in system.automata.iter().enumerate() {
@@ -79,9 +83,12 @@ fn monitor(draft: &mut Draft<'_>, model: &Model, spec: &checked::Spec, property:
             watched.push(connector_of(automaton, &edge.name));
         }
     }
-    draft.declare(noted(atom.declaration(), &format!("The monitor of `{}`: {}", property.name, one_line(&property.text))));
+    draft.declare(noted(
+        atom.declaration(),
+        &format!("The monitor of `{}`: {}", property.name, one_line(&property.text)),
+    ));
     draft.component(&format!("{}_type", atom.name), &atom.name);
-    let lapses = atom.lapses();
+    let (lapses, links) = (atom.lapses(), atom.links());
     let mut firsts = vec![name.clone()];
     let mut ports = vec![path(&atom.name, "report")];
     for (action, at) in reactions(spec, property).into_iter().zip(1_usize..) {
@@ -93,13 +100,20 @@ fn monitor(draft: &mut Draft<'_>, model: &Model, spec: &checked::Spec, property:
     draft.connect(&name, ports, format!("`{}` is violated", property.name));
     if lapses {
         let connector = format!("{name}_lapse");
-        draft.connect(&connector, vec![path(&atom.name, "lapse")], "Time has passed since the clock was set.".to_owned());
+        draft.connect(
+            &connector,
+            vec![path(&atom.name, "lapse")],
+            "Time has passed since the clock was set.".to_owned(),
+        );
         firsts.push(connector);
     }
-    for (high, which) in firsts.iter().zip(["report", "lapse"]) {
-        for (number, low) in watched.iter().enumerate() {
-            draft.priority(format!("{name}_{which}_{}", number + 1), low, high);
-        }
+    if links {
+        let connector = format!("{name}_again");
+        draft.connect(&connector, vec![path(&atom.name, "again")], "The violation goes on.".to_owned());
+        firsts.push(connector);
+    }
+    for (place, (high, low)) in firsts.iter().flat_map(|high| watched.iter().map(move |low| (high, low))).enumerate() {
+        draft.priority(format!("{name}_goes_first_{}", place + 1), low, high);
     }
     Ok(())
 }
@@ -183,6 +197,12 @@ struct Monitor<'s> {
 /// The place in which a monitor always is.
 const WATCH: &str = "watch";
 
+/// What every monitor keeps: whether something is owed, since this very moment; whether the position before this one failed, and whether that before
+/// what is owed did; whether there were positions since; whether a condition has failed.
+///
+/// Failures at positions that follow each other are one violation: who is `linked` to one before is not reported again.
+const OWN: [&str; 6] = ["open", "fresh", "fell", "linked", "followed", "bad"];
+
 impl Monitor<'_> {
     fn hears(&self, letter: &Letter) -> bool {
         let (Letter::Message(topic) | Letter::Runs(topic, _)) = letter;
@@ -210,28 +230,39 @@ impl Monitor<'_> {
         matches!(self.shape, Shape::Responds { at_once: false, .. })
     }
 
+    /// Whether one of its failures can belong to the violation before.
+    fn links(&self) -> bool {
+        matches!(self.shape, Shape::Responds { .. })
+    }
+
     fn declaration(&self) -> AtomType {
         let flags = self.reader.events.iter().map(|(_, name)| data("bool", name));
         let counts = self.reader.running.iter().map(|(_, name)| data("int", name));
         let before = self.reader.before.iter().map(|(name, _)| data("bool", name));
-        let own = ["open", "fresh", "bad"].map(|name| data("bool", name));
-        let unit = self.unit();
+        let own = OWN.map(|name| data("bool", name));
         let mut ports: Vec<AtomPort> = self.ports.values().map(|name| port(name)).collect();
         ports.push(port("report"));
         let mut transitions: Vec<Transition> =
             self.ports.iter().map(|(letters, port)| transition(port, None, None, self.heard(letters))).collect();
         let eager = Some(Urgency::Eager);
-        transitions.push(transition("report", Some(self.violated(unit)), eager, vec![set("open", false)]));
+        let over = || vec![set("open", false), Stmt::assign("fell", not(Code::path("followed")))];
+        let is_news = Code::binary(BinaryOp::And, not(Code::path("linked")), self.violated());
+        transitions.push(transition("report", Some(is_news), eager, over()));
+        if self.links() {
+            ports.push(port("again"));
+            let is_old = Code::binary(BinaryOp::And, Code::path("linked"), self.violated());
+            transitions.push(transition("again", Some(is_old), eager, over()));
+        }
         if self.lapses() {
             ports.push(port("lapse"));
-            let passed = Code::binary(BinaryOp::Greater, Code::path("y"), Code::int(0));
+            let passed = Code::binary(BinaryOp::GreaterEqual, Code::path("y"), Code::int(1));
             let guard = Code::binary(BinaryOp::And, Code::path("fresh"), passed);
             transitions.push(transition("lapse", Some(guard), eager, vec![set("fresh", false)]));
         }
         AtomType {
             name: format!("{}_type", self.name).into(),
             data: flags.chain(counts).chain(before).chain(own).collect(),
-            clocks: ["x", "y"].map(|name| Clock { name: name.into(), unit }).to_vec(),
+            clocks: ["x", "y"].map(|name| Clock { name: name.into(), unit: TimeUnit::Nanosecond }).to_vec(),
             ports,
             places: vec![WATCH.into()],
             initial: Initial { places: vec![WATCH.into()], body: self.first(), ..Initial::default() },
@@ -245,7 +276,7 @@ impl Monitor<'_> {
         let flags = self.reader.events.iter().map(|(_, name)| set(name, false));
         let counts = self.reader.running.iter().map(|(_, name)| Stmt::assign(name.as_str(), Code::int(0)));
         let before = self.reader.before.iter().map(|(name, _)| set(name, false));
-        let own = ["open", "fresh", "bad"].map(|name| set(name, false));
+        let own = OWN.map(|name| set(name, false));
         let mut all: Vec<Stmt> = flags.chain(counts).chain(before).chain(own).collect();
         // Over events alone there is no position before the first of them.
         if !self.reader.running.is_empty() {
@@ -292,19 +323,27 @@ impl Monitor<'_> {
                     Stmt::choice(condition.clone(), vec![set("bad", false)], vec![set("bad", true)]),
                 ]
             }
-            Shape::Responds { asked, answer, at_once: true, .. } => {
-                let asks = Code::binary(BinaryOp::And, asked.clone(), not(open()));
-                let opened = Stmt::choice(asks, vec![set("open", true), zero("x")], Vec::new());
-                vec![Stmt::choice(answer.clone(), vec![set("open", false)], vec![opened])]
-            }
-            Shape::Responds { asked, answer, at_once: false, .. } => {
-                // What was asked at this very moment is not answered by it.
-                let stays = Stmt::choice(Code::path("fresh"), vec![zero("x")], vec![set("open", false)]);
-                let opened = Stmt::choice(not(open()), vec![set("open", true), zero("x")], Vec::new());
-                vec![
-                    Stmt::choice(answer.clone(), vec![stays], Vec::new()),
-                    Stmt::choice(asked.clone(), vec![opened, set("fresh", true), zero("y")], Vec::new()),
-                ]
+            Shape::Responds { asked, answer, at_once, .. } => {
+                let opened = vec![
+                    set("open", true),
+                    zero("x"),
+                    Stmt::assign("linked", Code::path("fell")),
+                    set("followed", false),
+                ];
+                let followed = || vec![set("followed", true)];
+                let mut asks = vec![Stmt::choice(not(open()), opened, followed())];
+                let idle = vec![Stmt::choice(open(), followed(), Vec::new())];
+                let mut all = if *at_once {
+                    let asked = Stmt::choice(asked.clone(), asks, idle);
+                    vec![Stmt::choice(answer.clone(), vec![set("open", false)], vec![asked])]
+                } else {
+                    // What was asked at this very moment is not answered by it.
+                    let stays = Stmt::choice(Code::path("fresh"), vec![zero("x")], vec![set("open", false)]);
+                    asks.extend([set("fresh", true), zero("y")]);
+                    vec![Stmt::choice(answer.clone(), vec![stays], Vec::new()), Stmt::choice(asked.clone(), asks, idle)]
+                };
+                all.push(set("fell", false));
+                all
             }
             Shape::Fresh { topic: own, .. } if topic == Some(own) => vec![set("open", true), zero("x")],
             Shape::Fresh { .. } => Vec::new(),
@@ -314,24 +353,15 @@ impl Monitor<'_> {
     }
 
     /// When it is violated.
-    fn violated(&self, unit: TimeUnit) -> Code {
+    fn violated(&self) -> Code {
         let (within, closed) = match &self.shape {
             Shape::Always(_) => return Code::path("open"),
             Shape::Responds { within, closed, .. } | Shape::Fresh { within, closed, .. } => (*within, *closed),
         };
-        let op = if closed { BinaryOp::Greater } else { BinaryOp::GreaterEqual };
-        let number = within.nanos() / unit.nanoseconds().max(1);
-        Code::binary(BinaryOp::And, Code::path("open"), Code::binary(op, Code::path("x"), Code::int(number)))
-    }
-
-    /// The coarsest unit in which its time is whole.
-    fn unit(&self) -> TimeUnit {
-        let within = match &self.shape {
-            Shape::Always(_) => Duration::ZERO,
-            Shape::Responds { within, .. } | Shape::Fresh { within, .. } => *within,
-        };
-        let fits = |unit: &TimeUnit| within.nanos() % unit.nanoseconds().max(1) == 0;
-        [TimeUnit::Millisecond, TimeUnit::Microsecond].into_iter().find(fits).unwrap_or(TimeUnit::Nanosecond)
+        // An eager move needs a first moment, which `x > T` does not have: one nanosecond later is one.
+        let first = within.nanos().saturating_add(i64::from(closed));
+        let is_over = Code::binary(BinaryOp::GreaterEqual, Code::path("x"), Code::int(first));
+        Code::binary(BinaryOp::And, Code::path("open"), is_over)
     }
 }
 

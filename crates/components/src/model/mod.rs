@@ -115,8 +115,7 @@ impl<'d> Draft<'d> {
     fn priority(&mut self, name: String, low: &str, high: &str) {
         let side = |name: &str| Side::Connector(name.into());
         let (low, high) = (side(low), side(high));
-        let priority =
-            Priority { notes: Vec::new(), name: name.into(), low, high, guard: None, span: Span::default() };
+        let priority = Priority { notes: Vec::new(), name: name.into(), low, high, guard: None, span: Span::default() };
         if let Some(root) = self.root() {
             root.priorities.push(priority);
         }

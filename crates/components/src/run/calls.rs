@@ -3,7 +3,7 @@
 use std::cmp::Reverse;
 
 use lapwing_genom::automata::{self, Part};
-use lapwing_genom::model::{CodelId, Codel as Declared, Role};
+use lapwing_genom::model::{Codel as Declared, CodelId, Role};
 use lapwing_stream::{Duration, Time};
 
 use super::workers::{Lane, Returned, between, guarded};
@@ -209,7 +209,8 @@ impl Run {
         let known = |name: &str| {
             let component = model.components.get(component)?;
             let own = crate::store::service_of(component, declared).map_or(&[][..], |s| &s.throws);
-            let of_task = component.task_of(declared).and_then(|t| component.tasks.get(t.0)).map_or(&[][..], |t| &t.throws);
+            let of_task =
+                component.task_of(declared).and_then(|t| component.tasks.get(t.0)).map_or(&[][..], |t| &t.throws);
             let all = own.iter().chain(of_task).chain(&component.throws);
             let mut names = all.filter_map(|id| model.types.get(id.0)?.path.last());
             names.find(|n| *n == name).cloned()

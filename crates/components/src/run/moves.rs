@@ -138,7 +138,9 @@ impl Run {
         let kind = self.service(whose).map(|s| (s.kind, s.validate.is_some(), s.codels.len()));
         let refused = match (refuses, kind) {
             // What a function's own codel throws ends it; what `validate` throws refuses it.
-            (true, Some((ServiceKind::Function, validates, codels))) if codels > 0 && (!validates || self.served(whose)) => {
+            (true, Some((ServiceKind::Function, validates, codels)))
+                if codels > 0 && (!validates || self.served(whose)) =>
+            {
                 self.tell(What::Replied { id, whose, refused: None, instance: None });
                 return self.report(&pending, Outcome::Exception(thrown.unwrap_or_default()));
             }

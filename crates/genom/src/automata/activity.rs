@@ -6,7 +6,7 @@ use lapwing_diag::Span;
 
 use super::builder::{Builder, Draft};
 use super::plan::{Cell, Plan, TaskPlan, status};
-use super::{Action, Automaton, Call, Class, EXCEPTION, ClockGuard, Cond, Edge, LocId, Part, VarId};
+use super::{Action, Automaton, Call, Class, ClockGuard, Cond, EXCEPTION, Edge, LocId, Part, VarId};
 use crate::model::{Codel, CodelId, Target, Transition};
 
 /// Adds a variable of the activity's own: its name, its greatest value where it is a number, what it stands for.
@@ -293,8 +293,14 @@ impl Activity<'_, '_> {
                     self.begin(from, stop, Class::Interruption, guard, actions, span).eager();
                 }
                 None => {
-                    let draft =
-                        Draft { from, to: self.ether, class: Class::Interruption, guard, actions: self.end(false), span };
+                    let draft = Draft {
+                        from,
+                        to: self.ether,
+                        class: Class::Interruption,
+                        guard,
+                        actions: self.end(false),
+                        span,
+                    };
                     self.builder.edge(draft).eager();
                 }
             }

@@ -135,7 +135,9 @@ impl Glue<'_, '_> {
         let name = &self.component.name;
         let print = fingerprint(self.names.model, self.component)?;
         self.say(format!("/* Between Lapwing and the codels of {name}: compile it with them. Made by a program. */"));
-        self.say(format!("#define _POSIX_C_SOURCE 200809L\n#include \"{name}_c_types.h\"\n#include \"lapwing_wire.h\"\n"));
+        self.say(format!(
+            "#define _POSIX_C_SOURCE 200809L\n#include \"{name}_c_types.h\"\n#include \"lapwing_wire.h\"\n"
+        ));
         self.say(format!("const char *lapwing_interface_{name}(void) {{ return \"{print}\"; }}"));
         self.say(format!("void lapwing_free_{name}(unsigned char *answer) {{ free(answer); }}\n"));
         Ok(())
@@ -193,7 +195,8 @@ impl Glue<'_, '_> {
                     Type::Named(id) => self.names.def(*id).map(|d| d.path.clone()).unwrap_or_default(),
                     _ => Vec::new(),
                 };
-                let prefix: String = scope.split_last().map_or(&[][..], |(_, s)| s).iter().map(|s| format!("{s}_")).collect();
+                let prefix: String =
+                    scope.split_last().map_or(&[][..], |(_, s)| s).iter().map(|s| format!("{s}_")).collect();
                 self.say("  switch ((int64_t)v->_d) {");
                 for (tags, field) in cases {
                     let tags = labels(tags, &prefix);
@@ -257,7 +260,9 @@ impl Glue<'_, '_> {
                         "{margin}{{ uint32_t e; lapwing_take(bytes, &e, 4); {at} = ({})e; }}",
                         self.names.base(&shape)?
                     )),
-                    Way::Give => self.say(format!("{margin}{{ uint32_t e = (uint32_t){at}; lapwing_give(bytes, &e, 4); }}")),
+                    Way::Give => {
+                        self.say(format!("{margin}{{ uint32_t e = (uint32_t){at}; lapwing_give(bytes, &e, 4); }}"))
+                    }
                     Way::Drop => {}
                 },
                 Some(TypeDefKind::Native) => match way {
@@ -273,7 +278,12 @@ impl Glue<'_, '_> {
                     let bytes = if way == Way::Drop { "" } else { "bytes, " };
                     self.say(format!("{margin}{word}_{}({bytes}&{at});", self.names.base(&shape)?));
                 }
-                _ => return Err(NotInC(format!("C codels cannot be given a value of the type `{}`", self.names.base(&shape)?))),
+                _ => {
+                    return Err(NotInC(format!(
+                        "C codels cannot be given a value of the type `{}`",
+                        self.names.base(&shape)?
+                    )));
+                }
             },
         }
         Ok(())
@@ -288,7 +298,9 @@ impl Glue<'_, '_> {
                 match most {
                     Some(most) => {
                         self.say(format!("{margin}{at}._maximum = {most};"));
-                        self.say(format!("{margin}if ({at}._length > {most}) {{ bytes->is_bad = true; {at}._length = 0; }}"));
+                        self.say(format!(
+                            "{margin}if ({at}._length > {most}) {{ bytes->is_bad = true; {at}._length = 0; }}"
+                        ));
                     }
                     None => {
                         self.say(format!("{margin}{at}._maximum = 0; {at}._buffer = 0;"));
@@ -321,10 +333,7 @@ impl Glue<'_, '_> {
         let ports = self.component.ports.clone();
         for port in ports.iter().filter(|p| p.multiple) {
             let declared = self.names.declare(&port.ty, "value")?;
-            self.say(format!(
-                "struct one_{0} {{ struct one_{0} *next; char *id; bool has; {declared}; }};",
-                port.name
-            ));
+            self.say(format!("struct one_{0} {{ struct one_{0} *next; char *id; bool has; {declared}; }};", port.name));
         }
         self.say("struct call {\n  struct genom_context_data base;");
         for port in &ports {
@@ -336,7 +345,9 @@ impl Glue<'_, '_> {
             self.say(format!("  uint32_t writes_{0};\n  struct lapwing_out written_{0};", port.name));
         }
         self.say("};\n");
-        self.say("static genom_event call_raise(genom_event what, const void *detail, size_t size, genom_context self) {");
+        self.say(
+            "static genom_event call_raise(genom_event what, const void *detail, size_t size, genom_context self) {",
+        );
         self.say("  (void)detail;\n  (void)size;\n  self->raised = what;\n  return what;\n}\n");
         for port in &ports {
             match port.multiple {
@@ -355,8 +366,12 @@ impl Glue<'_, '_> {
         self.say(format!("static genom_event {p}_read(genom_context self) {{ (void)self; return genom_ok; }}"));
         let mut table = format!("{p}_data, {p}_read");
         if port.is_out {
-            self.say(format!("static genom_event {p}_write(genom_context self) {{\n  struct call *call = (struct call *)self;"));
-            self.say(format!("  struct lapwing_out *bytes = &call->written_{p};\n  call->writes_{p}++;\n  call->has_{p} = true;"));
+            self.say(format!(
+                "static genom_event {p}_write(genom_context self) {{\n  struct call *call = (struct call *)self;"
+            ));
+            self.say(format!(
+                "  struct lapwing_out *bytes = &call->written_{p};\n  call->writes_{p}++;\n  call->has_{p} = true;"
+            ));
             self.value(&port.ty, &format!("call->{p}"), Way::Give, 1)?;
             self.say("  return genom_ok;\n}");
             table += &format!(", {p}_write");
@@ -382,7 +397,9 @@ impl Glue<'_, '_> {
         let mut table = format!("{p}_data, {p}_open, {p}_close, {p}_read");
         if port.is_out {
             self.say(format!("static genom_event {p}_write(const char *id, genom_context self) {{\n  struct call *call = (struct call *)self;"));
-            self.say(format!("  struct one_{p} *one = {p}_find(id, self, true);\n  struct lapwing_out *bytes = &call->written_{p};"));
+            self.say(format!(
+                "  struct one_{p} *one = {p}_find(id, self, true);\n  struct lapwing_out *bytes = &call->written_{p};"
+            ));
             self.say(format!("  if (!one) return genom_ok;\n  call->writes_{p}++;\n  lapwing_give_text(bytes, id);"));
             self.value(&port.ty, "one->value", Way::Give, 1)?;
             self.say("  return genom_ok;\n}");
@@ -394,7 +411,9 @@ impl Glue<'_, '_> {
 
     /// How one codel is called.
     fn codel(&mut self, number: u32, codel: &Codel) -> Result<(), NotInC> {
-        self.say(format!("static void codel_{number}(struct call *call, struct lapwing_in *in, struct lapwing_out *out) {{"));
+        self.say(format!(
+            "static void codel_{number}(struct call *call, struct lapwing_in *in, struct lapwing_out *out) {{"
+        ));
         self.say("  struct lapwing_in *bytes = in;\n  genom_event event;\n  unsigned char kind;");
         let mut arguments = Vec::new();
         for parameter in &codel.parameters {

@@ -119,7 +119,9 @@ fn header(names: &Names<'_>, component: &Component) -> Result<String, NotInC> {
         let own = format!("{name}_{}", port.name);
         out += &format!("typedef struct {own} {{\n  {ty} (*data)({id}genom_context self);\n");
         if port.multiple {
-            out += &format!("  genom_event (*open)({first}genom_context self);\n  genom_event (*close)({first}genom_context self);\n");
+            out += &format!(
+                "  genom_event (*open)({first}genom_context self);\n  genom_event (*close)({first}genom_context self);\n"
+            );
         }
         out += &format!("  genom_event (*read)({first}genom_context self);\n");
         if port.is_out {

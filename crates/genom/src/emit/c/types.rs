@@ -158,9 +158,9 @@ impl Names<'_> {
     /// The type of an address of it, for what a port returns.
     pub(super) fn pointer(&self, ty: &Type) -> Result<String, NotInC> {
         match self.shape(ty) {
-            Type::Array(..) | Type::Text(_) => {
-                Err(NotInC("a port of an array or a text cannot be given to C codels: put it into a structure".to_owned()))
-            }
+            Type::Array(..) | Type::Text(_) => Err(NotInC(
+                "a port of an array or a text cannot be given to C codels: put it into a structure".to_owned(),
+            )),
             _ => Ok(format!("{} *", self.base(ty)?)),
         }
     }
@@ -193,7 +193,9 @@ impl Names<'_> {
             }
             Type::Optional(inner) => format!("genom_optional_{}", self.key(inner)?),
             Type::Array(..) | Type::Text(Some(_)) => {
-                return Err(NotInC("an array stands where C needs a name for its type: give it one by `typedef`".to_owned()));
+                return Err(NotInC(
+                    "an array stands where C needs a name for its type: give it one by `typedef`".to_owned(),
+                ));
             }
         })
     }
@@ -290,7 +292,9 @@ impl Writer<'_, '_> {
                         Some(most) => self.names.declare(inner, &format!("_buffer[{most}]"))?,
                         None => self.names.declare(inner, "*_buffer")?,
                     };
-                    self.out += &format!("typedef struct {name} {{ uint32_t _maximum; uint32_t _length; {buffer}; }} {name};\n");
+                    self.out += &format!(
+                        "typedef struct {name} {{ uint32_t _maximum; uint32_t _length; {buffer}; }} {name};\n"
+                    );
                 }
                 Ok(())
             }
