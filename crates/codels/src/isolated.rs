@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 use std::io::{Read, Write};
+use std::net::Shutdown;
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -19,6 +20,9 @@ use crate::{Border, LoadError};
 
 /// A frame is no longer.
 const MOST_BYTES: usize = 64 << 20;
+
+/// How often a process that is not needed any more is looked after, 5 ms apart, before it is ended.
+const FAREWELL: u32 = 100;
 
 /// How codels are isolated.
 #[derive(Clone, Debug)]
@@ -141,7 +145,15 @@ impl Border for Process {
 
 impl Drop for Process {
     fn drop(&mut self) {
+        // Without anybody to ask it, it ends by itself, and what its codels have printed is written out.
+        drop(lock(&self.to).shutdown(Shutdown::Both));
         let mut child = lock(&self.child);
+        for _ in 0..FAREWELL {
+            if !matches!(child.try_wait(), Ok(None)) {
+                return;
+            }
+            thread::sleep(Duration::from_millis(5));
+        }
         drop(child.kill());
         drop(child.wait());
     }

@@ -259,3 +259,78 @@ impl Reader<'_> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use lapwing_genom::model::{Basic, Field, Model, TypeDef, TypeDefKind, TypeId};
+    use lapwing_stream::Time;
+
+    use super::*;
+
+    /// A structure of a number, a text and a sequence of at most 3 numbers.
+    fn call() -> Call {
+        let field = |name: &str, ty| Field { name: name.to_owned(), ty, span: Default::default() };
+        let few = Type::Sequence(Box::new(Type::Basic(Basic::Short)), Some(3));
+        let fields = vec![field("x", Type::Basic(Basic::Double)), field("t", Type::Text(None)), field("few", few)];
+        let def = TypeDef { path: vec!["s".to_owned()], kind: TypeDefKind::Struct(fields), span: Default::default() };
+        let types = Types::new(&Model { types: vec![def], ..Model::default() });
+        let ty = Type::Named(TypeId(0));
+        let argument = |name: &str, direction, value| Argument { name: name.to_owned(), direction, ty: ty.clone(), value };
+        let datum = Datum::Struct(vec![
+            Datum::Float(0.5),
+            Datum::Text("abc".to_owned()),
+            Datum::List(vec![Datum::Int(-1), Datum::Int(2)]),
+        ]);
+        let port = Held::Port { content: Some(datum.clone()), written: Vec::new() };
+        let arguments = vec![argument("d", Direction::InOut, Held::Data(datum)), argument("p", Direction::Out, port)];
+        Call::new(Arc::from("C"), Arc::from("f"), Time(7), arguments, types)
+    }
+
+    /// An answer that gives back what the call has, and writes it to the port once.
+    fn answer(call: &Call) -> Vec<u8> {
+        let mut bytes = vec![0];
+        text("main", &mut bytes);
+        bytes.extend(5_u64.to_ne_bytes());
+        for (place, argument) in call.arguments.iter().enumerate() {
+            if place == 1 {
+                length(1, &mut bytes);
+            }
+            if let Held::Data(datum) | Held::Port { content: Some(datum), .. } = &argument.value {
+                write(call.types(), &argument.ty, datum, &mut bytes).unwrap();
+            }
+        }
+        bytes
+    }
+
+    #[test]
+    fn an_answer_gives_back_what_was_given() {
+        let (mut after, before) = (call(), call());
+        assert_eq!(read_answer(&mut after, &answer(&before)), Ok(Answer::event("main")));
+        assert_eq!(after.busy, Duration::from_nanos(5));
+        let (Held::Data(one), Held::Data(two)) = (&before.arguments[0].value, &after.arguments[0].value) else { panic!() };
+        assert_eq!(one, two);
+        let Held::Port { written, .. } = &after.arguments[1].value else { panic!() };
+        assert_eq!(written, &[one.clone()]);
+    }
+
+    #[test]
+    fn every_beginning_of_an_answer_and_every_other_byte_is_an_error_or_an_answer() {
+        let good = answer(&call());
+        for end in 0..good.len() {
+            assert!(read_answer(&mut call(), &good[..end]).is_err(), "{end}");
+        }
+        for at in 0..good.len() {
+            for byte in [0, 1, 3, 0x7f, 0xff] {
+                let mut bad = good.clone();
+                bad[at] = byte;
+                // It must come back, whatever it says.
+                let _ = read_answer(&mut call(), &bad);
+            }
+        }
+        let mut long = good.clone();
+        long.push(0);
+        assert!(read_answer(&mut call(), &long).unwrap_err().contains("1 bytes too many"));
+    }
+}

@@ -187,6 +187,11 @@ pub struct Call {
 }
 
 impl Call {
+    /// A call in logical time.
+    pub fn new(component: Arc<str>, function: Arc<str>, now: Time, arguments: Vec<Argument>, types: Types) -> Call {
+        Call { component, function, now, arguments, busy: Duration::ZERO, is_logical: true, types }
+    }
+
     /// The types of its parameters.
     pub fn types(&self) -> &Types {
         &self.types

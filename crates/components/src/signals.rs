@@ -8,6 +8,9 @@
 //! | `/C/A/end` | `outcome`: `done`, `interrupted`, or the exception |
 //! | `/C/S/request` | the parameters |
 //! | `/C/S/report` | `outcome`, and the parameters as they are then; of a request that was refused, `refused` and why |
+//! | `/C/overrun` | `codel` (`Acquire.read`), `function`, and in seconds `took` and `wcet` |
+//! | `/C/missed` | `task`: a turn of it was left out |
+//! | `/C/late` | `task`, and in seconds `by` how much its turn began late |
 //! | `/lapwing/components` | `names`, and `ended`: false at the beginning, true at the end |
 
 use std::collections::BTreeMap;
@@ -49,6 +52,14 @@ enum Phase {
     Report,
 }
 
+/// What can go wrong in a component.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+enum Fault {
+    Overrun,
+    Missed,
+    Late,
+}
+
 /// The topics of a system.
 #[derive(Clone, Debug)]
 pub struct Signals {
@@ -57,6 +68,7 @@ pub struct Signals {
     topics: Vec<Topic>,
     ports: BTreeMap<(usize, usize), usize>,
     services: BTreeMap<(Whose, Phase), usize>,
+    faults: BTreeMap<(usize, Fault), usize>,
     /// How many instances of each activity run.
     running: BTreeMap<Whose, u64>,
 }
@@ -70,6 +82,7 @@ impl Signals {
             topics: Vec::new(),
             ports: BTreeMap::new(),
             services: BTreeMap::new(),
+            faults: BTreeMap::new(),
             running: BTreeMap::new(),
         };
         let names = Type::Array(Box::new(Type::Str));
@@ -80,6 +93,7 @@ impl Signals {
         );
         for (number, component) in model.components.iter().enumerate() {
             signals.ports(number, component);
+            signals.faults(number, &component.name);
             for (service, declared) in component.services.iter().enumerate() {
                 signals.service(Whose::new(number, lapwing_genom::model::ServiceId(service)), component, declared);
             }
@@ -91,6 +105,19 @@ impl Signals {
         let schema = Schema { name: type_name.to_owned(), fields, constants: Vec::new() };
         self.topics.push(Topic { name, schema: Arc::new(schema) });
         self.topics.len() - 1
+    }
+
+    fn faults(&mut self, number: usize, name: &str) {
+        let (text, seconds) = (|name| field(name, Type::Str), |name| field(name, Type::Num { float: true }));
+        for (fault, fields) in [
+            (Fault::Overrun, vec![text("codel"), text("function"), seconds("took"), seconds("wcet")]),
+            (Fault::Missed, vec![text("task")]),
+            (Fault::Late, vec![text("task"), seconds("by")]),
+        ] {
+            let word = format!("{fault:?}");
+            let topic = self.add(format!("/{name}/{}", word.to_lowercase()), &format!("lapwing/{word}"), fields);
+            self.faults.insert((number, fault), topic);
+        }
     }
 
     fn ports(&mut self, number: usize, component: &Component) {
@@ -184,8 +211,34 @@ impl Signals {
                 all
             }
             What::Written { component, port, name, value } => self.port(*component, port.0, name.as_deref(), value),
+            What::Overrun { component, codel, took, wcet } => {
+                let found = self.model.components.get(*component).and_then(|c| Some((c, c.codels.get(codel.0)?)));
+                let Some((declared, codel)) = found else { return Vec::new() };
+                let (name, function) = (declared.codel_name(codel), codel.function.clone());
+                let times = [("took", Value::Num(took.seconds())), ("wcet", Value::Num(wcet.seconds()))];
+                let texts = [("codel", Value::Str(name)), ("function", Value::Str(function))];
+                self.fault(*component, Fault::Overrun, texts.into_iter().chain(times).collect())
+            }
+            What::Missed { component, task } => {
+                self.fault(*component, Fault::Missed, vec![("task", self.task(*component, task.0))])
+            }
+            What::Late { component, task, by } => {
+                let by = Value::Num(by.seconds());
+                self.fault(*component, Fault::Late, vec![("task", self.task(*component, task.0)), ("by", by)])
+            }
             _ => Vec::new(),
         }
+    }
+
+    fn task(&self, component: usize, task: usize) -> Value {
+        let found = self.model.components.get(component).and_then(|c| c.tasks.get(task));
+        Value::Str(found.map(|t| t.name.clone()).unwrap_or_default())
+    }
+
+    fn fault(&self, component: usize, fault: Fault, parts: Vec<(&str, Value)>) -> Vec<Message> {
+        let topic = self.faults.get(&(component, fault)).copied();
+        let value = Value::Record(parts.into_iter().map(|(name, value)| (Name::from(name), value)).collect());
+        topic.map(|topic| Message { topic, value }).into_iter().collect()
     }
 
     /// One more instance runs, or one less. It is said where the first begins or the last ends.

@@ -2,6 +2,7 @@
 
 use lapwing_diag::SourceMap;
 use lapwing_genom::Model;
+use lapwing_genom::model::{Direction, Parameter};
 use lapwing_stream::{Duration, Time};
 
 use crate::datum::Datum;
@@ -31,14 +32,14 @@ impl Teller<'_> {
         let text = match &happening.what {
             What::Requested { id, whose, values, by } => {
                 let by = by.as_ref().map(|by| format!(", by {by}")).unwrap_or_default();
-                format!("request #{id} {}{}{by}", self.service(*whose), self.values(*whose, values))
+                format!("request #{id} {}{}{by}", self.service(*whose), self.values(*whose, values, false))
             }
             What::Replied { id, whose, refused: Some(why), .. } => {
                 format!("reply #{id} {} refused: {why}", self.service(*whose))
             }
             What::Replied { id, whose, refused: None, .. } => format!("reply #{id} {} accepted", self.service(*whose)),
             What::Reported { id, whose, outcome, values } => {
-                format!("report #{id} {} {outcome} {}", self.service(*whose), self.values(*whose, values))
+                format!("report #{id} {} {outcome} {}", self.service(*whose), self.values(*whose, values, true))
             }
             What::Started { whose, instance, .. } => format!("start {} ({instance})", self.service(*whose)),
             What::Interrupted { whose, instance } => format!("interrupt {} ({instance})", self.service(*whose)),
@@ -98,10 +99,12 @@ impl Teller<'_> {
         Some((format!("{}.{}", component.name, task.name), line(self.sources, task.span)))
     }
 
-    fn values(&self, whose: Whose, values: &[Datum]) -> String {
+    /// The values of a service's parameters; those that only come out are there only once it has ended.
+    fn values(&self, whose: Whose, values: &[Datum], has_ended: bool) -> String {
         let component = self.model.components.get(whose.component);
         let parameters = component.and_then(|c| c.services.get(whose.service.0)).map_or(&[][..], |s| &s.parameters);
-        let named = parameters.iter().zip(values).filter_map(|(parameter, value)| {
+        let is_there = |p: &&Parameter| has_ended || p.direction != Direction::Out;
+        let named = parameters.iter().zip(values).filter(|(p, _)| is_there(p)).filter_map(|(parameter, value)| {
             Some(format!("{}={}", parameter.name, self.value(parameter.ty.as_ref()?, value)))
         });
         format!("({})", named.collect::<Vec<_>>().join(", "))

@@ -60,6 +60,23 @@ fn forty_milliseconds_are_too_strict_for_a_laser_of_forty() {
     assert_eq!((verdict(&went, "Scan_Fail"), went.goto), ("violated", Some(Outcome::Interrupted)));
 }
 
+/// Bounded response, absence, periodicity, latency, the time of a codel, the period of a task: each holds of a healthy mission, and what a late laser
+/// breaks is what it should break.
+#[test]
+fn the_example_properties_hold_unless_scans_are_late() {
+    let mission = Mission { spec: Some(file("properties.rv")), ..Mission::default() };
+    let healthy = mission.fly().unwrap();
+    let verdicts = |went: &Went| {
+        let all = &went.report.as_ref().unwrap().properties;
+        all.iter().map(|p| (p.name.clone(), p.verdict.word())).collect::<Vec<_>>()
+    };
+    let failed = |went: &Went| verdicts(went).into_iter().filter(|(_, v)| *v == "violated").map(|(n, _)| n).collect::<Vec<_>>();
+    assert_eq!(failed(&healthy), Vec::<String>::new(), "{:?}", verdicts(&healthy));
+    assert!(verdicts(&healthy).contains(&("arrives".to_owned(), "satisfied")), "{:?}", verdicts(&healthy));
+    let late = Mission { delay: Some((0.2, 3.0)), ..mission }.fly().unwrap();
+    assert_eq!(failed(&late), ["recent", "quick"], "{:?}", verdicts(&late));
+}
+
 #[test]
 fn a_recording_is_judged_as_the_run_was() {
     let folder = tempfile::tempdir().unwrap();
