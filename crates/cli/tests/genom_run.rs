@@ -185,9 +185,7 @@ fn the_answers_of_c_are_events_exceptions_and_lies() {
 #[test]
 fn a_codel_that_crashes_or_hangs_in_its_own_process_is_named_with_its_line() {
     let bench = Bench::new().compiled();
-    for (until, words) in
-        [("-1", "its process died: signal: 11"), ("-2", "it has not returned for 1 s")]
-    {
+    for (until, words) in [("-1", "its process died: signal: 11"), ("-2", "it has not returned for 1 s")] {
         for time in [&[][..], &["--real-time"][..]] {
             let more = [&["--isolate", "--patience", "1s", "--duration", "60s"][..], time].concat();
             let output = bench.run(&format!("@0s C.Go(until={until})\n"), &more);

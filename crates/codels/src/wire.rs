@@ -277,7 +277,8 @@ mod tests {
         let def = TypeDef { path: vec!["s".to_owned()], kind: TypeDefKind::Struct(fields), span: Default::default() };
         let types = Types::new(&Model { types: vec![def], ..Model::default() });
         let ty = Type::Named(TypeId(0));
-        let argument = |name: &str, direction, value| Argument { name: name.to_owned(), direction, ty: ty.clone(), value };
+        let argument =
+            |name: &str, direction, value| Argument { name: name.to_owned(), direction, ty: ty.clone(), value };
         let datum = Datum::Struct(vec![
             Datum::Float(0.5),
             Datum::Text("abc".to_owned()),
@@ -309,7 +310,9 @@ mod tests {
         let (mut after, before) = (call(), call());
         assert_eq!(read_answer(&mut after, &answer(&before)), Ok(Answer::event("main")));
         assert_eq!(after.busy, Duration::from_nanos(5));
-        let (Held::Data(one), Held::Data(two)) = (&before.arguments[0].value, &after.arguments[0].value) else { panic!() };
+        let (Held::Data(one), Held::Data(two)) = (&before.arguments[0].value, &after.arguments[0].value) else {
+            panic!()
+        };
         assert_eq!(one, two);
         let Held::Port { written, .. } = &after.arguments[1].value else { panic!() };
         assert_eq!(written, &[one.clone()]);

@@ -77,7 +77,10 @@ fn main() {
     while run.advance().is_some() {}
     let took = begin.elapsed().as_secs_f64();
     let (count, moves) = (run.figures().calls as f64, run.figures().moves as f64);
-    println!("logical: 60 s in {took:.3} s, {:.0} times as fast; {count} codels, {moves} moves of automata", 60.0 / took);
+    println!(
+        "logical: 60 s in {took:.3} s, {:.0} times as fast; {count} codels, {moves} moves of automata",
+        60.0 / took
+    );
     println!("logical: {:.0} ns for each codel, {:.0} ns for each move", took * 1e9 / count, took * 1e9 / moves);
 
     let values: [AtomicU64; COMPONENTS] = Default::default();

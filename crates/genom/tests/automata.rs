@@ -283,8 +283,12 @@ fn the_control_task_serves() {
 fn an_exception_ends_an_activity_and_is_no_success() {
     let loaded = sound(STRESS);
     let settings = Settings { runtime: true, exceptions: true, ..ONE };
-    let (system, without) = (build(&loaded.model, settings).unwrap(), build(&loaded.model, Settings { exceptions: false, ..settings }).unwrap());
-    let done = system.variables.iter().position(|v| v.name == "Robot_done_Go").map(lapwing_genom::automata::VarId).unwrap();
+    let (system, without) = (
+        build(&loaded.model, settings).unwrap(),
+        build(&loaded.model, Settings { exceptions: false, ..settings }).unwrap(),
+    );
+    let done =
+        system.variables.iter().position(|v| v.name == "Robot_done_Go").map(lapwing_genom::automata::VarId).unwrap();
     let mut calls = 0;
     for automaton in &system.automata {
         for (place, edge) in automaton.edges.iter().enumerate() {
@@ -298,7 +302,8 @@ fn an_exception_ends_an_activity_and_is_no_success() {
             // The edge that is taken then leads to the end, and says of nobody that it has succeeded.
             let thrown = Cond::Is(*next, events.len() as i64 - 1);
             let holds = |cond: &Cond| *cond == thrown || matches!(cond, Cond::All(parts) if parts.contains(&thrown));
-            let ends: Vec<_> = automaton.edges.iter().filter(|e| e.from == automaton.edges[place].to && holds(&e.guard)).collect();
+            let ends: Vec<_> =
+                automaton.edges.iter().filter(|e| e.from == automaton.edges[place].to && holds(&e.guard)).collect();
             let [end] = ends.as_slice() else { panic!("{}.{}: {ends:?}", automaton.name, edge.name) };
             assert_eq!((end.class, automaton.locations[end.to.0].name.as_str()), (Class::Termination, "ether"));
             end.actions.iter().for_each(|action| action.writes(&mut |var| assert_ne!(var, done)));
@@ -316,11 +321,18 @@ fn cells_and_tasks_name_their_automata() {
     let system = build(&loaded.model, Settings { instances: 2, ..ONE }).unwrap();
     let is = |part: &Part| system.automata.iter().filter(|a| a.part == *part).count();
     assert_eq!(system.cells.len(), is(&Part::Activity) + is(&Part::Permanent));
-    assert_eq!((system.tasks.len(), system.tasks.iter().filter(|t| t.timer.is_some()).count()), (is(&Part::Manager), is(&Part::Timer)));
+    assert_eq!(
+        (system.tasks.len(), system.tasks.iter().filter(|t| t.timer.is_some()).count()),
+        (is(&Part::Manager), is(&Part::Timer))
+    );
     for cell in &system.cells {
         let automaton = &system.automata[cell.automaton];
         assert_eq!(automaton.part == Part::Permanent, cell.activity.is_none());
-        assert!(system.variables[cell.status.0].meaning.contains(&format!("`{}`", automaton.name)), "{}", automaton.name);
+        assert!(
+            system.variables[cell.status.0].meaning.contains(&format!("`{}`", automaton.name)),
+            "{}",
+            automaton.name
+        );
     }
     for task in &system.tasks {
         assert_eq!(system.automata[task.manager].part, Part::Manager);

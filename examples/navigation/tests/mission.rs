@@ -70,7 +70,8 @@ fn the_example_properties_hold_unless_scans_are_late() {
         let all = &went.report.as_ref().unwrap().properties;
         all.iter().map(|p| (p.name.clone(), p.verdict.word())).collect::<Vec<_>>()
     };
-    let failed = |went: &Went| verdicts(went).into_iter().filter(|(_, v)| *v == "violated").map(|(n, _)| n).collect::<Vec<_>>();
+    let failed =
+        |went: &Went| verdicts(went).into_iter().filter(|(_, v)| *v == "violated").map(|(n, _)| n).collect::<Vec<_>>();
     assert_eq!(failed(&healthy), Vec::<String>::new(), "{:?}", verdicts(&healthy));
     assert!(verdicts(&healthy).contains(&("arrives".to_owned(), "satisfied")), "{:?}", verdicts(&healthy));
     let late = Mission { delay: Some((0.2, 3.0)), ..mission }.fly().unwrap();
