@@ -54,6 +54,9 @@ fn source(cx: &mut Cx, decl: &EventDecl, written_down: bool) -> EventSource {
         return EventSource::Named;
     };
     let below = || decl.below.as_ref().map(|path| segments(&path.segments));
+    if let Some(topic) = component_topic(cx, source, decl) {
+        return EventSource::Message { topic: cx.open(&Env::default(), &topic, None).topic };
+    }
     let point = |kind, path: &[Ident]| EventSource::Point(Point { kind, path: segments(path), below: below() });
     let found = match source {
         ast::EventSource::Message(topic, ty) => {
@@ -92,6 +95,19 @@ fn half(decl: &EventDecl) -> Option<ServiceHalf> {
         Some(ast::EventSource::Reply(_)) => Some(ServiceHalf::Reply),
         _ => None,
     }
+}
+
+/// The topic on which a component system tells of it.
+fn component_topic(cx: &Cx, source: &ast::EventSource, decl: &EventDecl) -> Option<ast::Topic> {
+    cx.trace.filter(|t| t.is_of_components() && decl.below.is_none())?;
+    let (names, phase) = match source {
+        ast::EventSource::Write(names) => (names, None),
+        ast::EventSource::Activity(phase, names) => (names, Some(phase_word(*phase))),
+        _ => return None,
+    };
+    let path: Vec<&str> = names.iter().map(|n| n.name.as_str()).chain(phase).collect();
+    let span = names.iter().map(|n| n.span).reduce(|a, b| a.to(b)).unwrap_or(decl.name.span);
+    Some(ast::Topic { name: format!("/{}", path.join("/")), span })
 }
 
 /// What neither a recording nor a Rust program has.

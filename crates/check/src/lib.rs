@@ -65,4 +65,4 @@ pub use definitions::MessageTypes;
 pub use library::{LIBRARIES, Library, ShippedPattern};
 pub use load::{Loaded, load};
 pub use suggest::nearest;
-pub use trace::{TraceShape, TraceTopic};
+pub use trace::{COMPONENTS, TraceShape, TraceTopic};

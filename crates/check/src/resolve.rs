@@ -297,7 +297,10 @@ impl Cx<'_> {
     fn port(&mut self, env: &Env, idents: &[Ident], at: Span) -> Option<Term> {
         let [component, port, rest @ ..] = idents else { return None };
         let name = format!("/{}/{}", component.name, port.name);
-        self.trace?.topic(&name)?;
+        let trace = self.trace?;
+        if !(trace.is_of_components() && trace.columns_open) {
+            trace.topic(&name)?;
+        }
         let topic = ast::Topic { name, span: at };
         let opened = self.open(env, &topic, None);
         let label = format!("{}.{}", component.name, port.name);

@@ -4,6 +4,12 @@ use std::sync::Arc;
 
 use lapwing_stream::Schema;
 
+/// The topic by which a recording is known as one of a component system: it says when the system began and ended.
+///
+/// In such a trace the port `P` of the component `C` is the topic `/C/P`; what its activity or service `A` does is on topics of their own,
+/// `/C/A/start`, `…/end`, `…/request`, `…/report`, and whether it runs on `/C/A/running`, a message with the field `data`.
+pub const COMPONENTS: &str = "/lapwing/components";
+
 /// The shape of a trace: what it carries, without its data.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TraceShape {
@@ -41,6 +47,11 @@ impl TraceShape {
     /// Whether it is a running program.
     pub(crate) fn is_program(&self) -> bool {
         self.live && self.columns_open && self.topics.is_empty()
+    }
+
+    /// Whether it is a component system, or a recording of one.
+    pub(crate) fn is_of_components(&self) -> bool {
+        self.topic(COMPONENTS).is_some()
     }
 
     /// The topic of that name.

@@ -6,11 +6,14 @@ mod explorer;
 use common::{IMU, sound};
 use explorer::Explorer;
 use lapwing_genom::Loaded;
-use lapwing_genom::automata::{Automaton, Class, Part, Settings, System, build};
+use lapwing_genom::automata::{
+    Automaton, Class, Cond, EXCEPTION, Part, Settings, System, branch, branch_of_exception, build,
+};
 use lapwing_genom::model::{Codel, Role};
 use lapwing_genom::mutex::{Mutex, Rules};
 
-const ONE: Settings = Settings { instances: 1, rules: Rules { readers_share: false }, runtime: false };
+const ONE: Settings =
+    Settings { instances: 1, rules: Rules { readers_share: false }, runtime: false, exceptions: false };
 
 fn automaton<'s>(system: &'s System, name: &str) -> &'s Automaton {
     system.automata.iter().find(|a| a.name == name).unwrap_or_else(|| panic!("no `{name}`"))
@@ -273,4 +276,66 @@ fn the_control_task_serves() {
     assert!(!tried.guard.holds(&initial));
     initial[system.variables.iter().position(|v| v.name == "Robot_done_Go").unwrap()] = 1;
     assert!(tried.guard.holds(&initial));
+}
+
+/// With exceptions every codel that is called may throw one; that ends its activity, gives its lock back, and is no success.
+#[test]
+fn an_exception_ends_an_activity_and_is_no_success() {
+    let loaded = sound(STRESS);
+    let settings = Settings { runtime: true, exceptions: true, ..ONE };
+    let (system, without) = (
+        build(&loaded.model, settings).unwrap(),
+        build(&loaded.model, Settings { exceptions: false, ..settings }).unwrap(),
+    );
+    let done =
+        system.variables.iter().position(|v| v.name == "Robot_done_Go").map(lapwing_genom::automata::VarId).unwrap();
+    let mut calls = 0;
+    for automaton in &system.automata {
+        for (place, edge) in automaton.edges.iter().enumerate() {
+            let Some(call) = &edge.call else { continue };
+            calls += 1;
+            let (next, events) = call.result.as_ref().unwrap();
+            assert_eq!(events.last().map(String::as_str), Some(EXCEPTION), "{}.{}", automaton.name, edge.name);
+            let codel = &loaded.model.components[automaton.component].codels[call.codel.0];
+            assert_eq!(branch_of_exception(codel), events.len() - 1);
+            assert!(events[..events.len() - 1].iter().enumerate().all(|(n, event)| branch(codel, event) == Some(n)));
+            // The edge that is taken then leads to the end, and says of nobody that it has succeeded.
+            let thrown = Cond::Is(*next, events.len() as i64 - 1);
+            let holds = |cond: &Cond| *cond == thrown || matches!(cond, Cond::All(parts) if parts.contains(&thrown));
+            let ends: Vec<_> =
+                automaton.edges.iter().filter(|e| e.from == automaton.edges[place].to && holds(&e.guard)).collect();
+            let [end] = ends.as_slice() else { panic!("{}.{}: {ends:?}", automaton.name, edge.name) };
+            assert_eq!((end.class, automaton.locations[end.to.0].name.as_str()), (Class::Termination, "ether"));
+            end.actions.iter().for_each(|action| action.writes(&mut |var| assert_ne!(var, done)));
+        }
+    }
+    assert!(calls > 5, "{calls}");
+    let refusals = |system: &System| system.automata.iter().flat_map(|a| &a.edges).filter(|e| e.is_refusal).count();
+    assert!(refusals(&system) > refusals(&without), "functions may throw as well");
+}
+
+/// What is said of cells and tasks is what the automata are.
+#[test]
+fn cells_and_tasks_name_their_automata() {
+    let loaded = sound(STRESS);
+    let system = build(&loaded.model, Settings { instances: 2, ..ONE }).unwrap();
+    let is = |part: &Part| system.automata.iter().filter(|a| a.part == *part).count();
+    assert_eq!(system.cells.len(), is(&Part::Activity) + is(&Part::Permanent));
+    assert_eq!(
+        (system.tasks.len(), system.tasks.iter().filter(|t| t.timer.is_some()).count()),
+        (is(&Part::Manager), is(&Part::Timer))
+    );
+    for cell in &system.cells {
+        let automaton = &system.automata[cell.automaton];
+        assert_eq!(automaton.part == Part::Permanent, cell.activity.is_none());
+        assert!(
+            system.variables[cell.status.0].meaning.contains(&format!("`{}`", automaton.name)),
+            "{}",
+            automaton.name
+        );
+    }
+    for task in &system.tasks {
+        assert_eq!(system.automata[task.manager].part, Part::Manager);
+        assert!(task.timer.is_none_or(|timer| system.automata[timer].part == Part::Timer));
+    }
 }

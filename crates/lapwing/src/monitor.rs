@@ -32,6 +32,8 @@ use crate::spec::Spec;
 pub struct Monitor {
     run: Run<'static>,
     name: String,
+    /// What is watched, in words; nothing where it is a program, which has neither messages nor components.
+    system: Option<String>,
     span: Option<(Time, Time)>,
 }
 
@@ -60,9 +62,18 @@ pub struct Unseen {
 impl Monitor {
     /// Nothing has come yet.
     pub fn new(spec: Spec) -> Monitor {
-        let checked = spec.against(&TraceShape::program());
+        Monitor::over(spec, &TraceShape::program(), None)
+    }
+
+    /// The monitor of something that sends messages of the topics of a shape: `system` is what reports call it.
+    pub fn of_system(spec: Spec, shape: &TraceShape, system: &str) -> Monitor {
+        Monitor::over(spec, shape, Some(system.to_owned()))
+    }
+
+    fn over(spec: Spec, shape: &TraceShape, system: Option<String>) -> Monitor {
+        let checked = spec.against(shape);
         let name = spec.name().to_owned();
-        Monitor { run: Run::new(Cow::Owned(spec), checked, Noting::default()), name, span: None }
+        Monitor { run: Run::new(Cow::Owned(spec), checked, Noting::default()), name, system, span: None }
     }
 
     /// What the specification means here: the numbers in samples are those of its tables.
@@ -127,7 +138,10 @@ impl Monitor {
 
     /// The program is over, or no longer watched.
     pub fn finish(&mut self, unseen: &Unseen) -> Report {
-        let unseen = self.with_what_programs_lack(unseen);
+        let unseen = match self.system {
+            Some(_) => unseen.clone(),
+            None => self.with_what_programs_lack(unseen),
+        };
         let finished = self.run.finish(&Damage::default(), &Met::default());
         let mut properties: Vec<Property> = finished.into_iter().map(|(_, property)| property).collect();
         for property in &mut properties {
@@ -143,7 +157,7 @@ impl Monitor {
         warnings.extend(self.run.warnings(&properties, &Met::default()));
         Report {
             specs: vec![self.name.clone()],
-            trace: "the running program".to_owned(),
+            trace: self.system.clone().unwrap_or_else(|| "the running program".to_owned()),
             span: self.span,
             instants: self.run.instants(),
             topics: self.run.topics(),

@@ -1,14 +1,15 @@
 //! Functions of a topic, and of a running system.
 
 use lapwing_diag::{Code, Diagnostic};
-use lapwing_stream::Type;
+use lapwing_stream::{Type, Value};
 use lapwing_syntax::ast::{self, ExprKind};
 
-use crate::checked::{Dim, Expr, Input, InputSource, Kind};
+use crate::checked::{Dim, Expr, Input, InputSource, Kind, Step};
 use crate::context::{Cx, Env};
 use crate::expr::plain;
 use crate::names::Named;
 use crate::term::Term;
+use crate::trace::TraceShape;
 
 use super::Call;
 
@@ -45,9 +46,19 @@ pub(super) fn publishers(cx: &mut Cx, env: &Env, call: &Call) -> Option<Term> {
 }
 
 /// `running(C.A)`: only a component system says what runs.
-pub(super) fn running(cx: &mut Cx, _: &Env, call: &Call) -> Option<Term> {
+pub(super) fn running(cx: &mut Cx, env: &Env, call: &Call) -> Option<Term> {
     let [ast::Expr { kind: ExprKind::Path(idents), .. }] = call.args else { return None };
     let activity = idents.iter().map(|i| i.name.as_str()).collect::<Vec<_>>().join(".");
+    if cx.trace.is_some_and(TraceShape::is_of_components) {
+        let name = format!("/{}/running", activity.replace('.', "/"));
+        let topic = cx.open(env, &ast::Topic { name, span: call.args[0].span }, None).topic;
+        let field = cx.field(topic, &vec![Step::Field("data".to_owned())]);
+        let (label, source) = (format!("running {activity}"), InputSource::Field { topic, field });
+        // Before anything is said of it, nothing runs.
+        let default = Some(Value::Bool(false));
+        let input = Input { label, source, ty: Type::Bool, dim: Dim::UNKNOWN, default, stale: None };
+        return Some(Term::Expr(cx.input(input, call.span)));
+    }
     Some(of_the_system(cx, format!("running {activity}"), Type::Bool, call))
 }
 
@@ -79,6 +90,10 @@ fn topic_named(cx: &mut Cx, env: &Env, arg: &ast::Expr) -> Option<ast::Topic> {
             if let Some(Named::Decl(decl)) = cx.names.get(name) {
                 return Some(decl.topic.clone());
             }
+        }
+        // The port of a component.
+        ExprKind::Path(idents) if idents.len() == 2 && cx.names.get(&idents[0].name).is_none() => {
+            return Some(ast::Topic { name: format!("/{}/{}", idents[0].name, idents[1].name), span: arg.span });
         }
         _ => {}
     }

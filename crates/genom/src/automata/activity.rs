@@ -6,7 +6,7 @@ use lapwing_diag::Span;
 
 use super::builder::{Builder, Draft};
 use super::plan::{Cell, Plan, TaskPlan, status};
-use super::{Action, Automaton, Call, Class, ClockGuard, Cond, Edge, LocId, Part, VarId};
+use super::{Action, Automaton, Call, Class, ClockGuard, Cond, EXCEPTION, Edge, LocId, Part, VarId};
 use crate::model::{Codel, CodelId, Target, Transition};
 
 /// Adds a variable of the activity's own: its name, its greatest value where it is a number, what it stands for.
@@ -115,11 +115,12 @@ impl Activity<'_, '_> {
                     (main, self.builder.location(&format!("{name}_exec"), Some(*id), limit, span))
                 }
             };
+            let throws = self.plan.settings.runtime && self.plan.settings.exceptions;
             let mut extra = |wanted: bool, suffix: &str| {
                 wanted.then(|| self.builder.location(&format!("{name}_{suffix}"), None, None, span))
             };
             let pause = extra(lock.is_none() && paused.contains(id), "pause").or(paused.contains(id).then_some(main));
-            let is_open = self.plan.settings.runtime && successors(codel).len() > 1;
+            let is_open = self.plan.settings.runtime && (throws || successors(codel).len() > 1);
             let state = State {
                 main,
                 exec,
@@ -164,6 +165,11 @@ impl Activity<'_, '_> {
         false
     }
 
+    /// Whether codels may throw exceptions.
+    fn throws(&self) -> bool {
+        self.plan.settings.runtime && self.plan.settings.exceptions
+    }
+
     /// The control is here.
     fn has_control(&self) -> Cond {
         Cond::Is(self.task.pi, self.cell.turn)
@@ -191,10 +197,12 @@ impl Activity<'_, '_> {
         vec![Action::Set(self.task.pi, 0), self.task.next(self.place + 1)]
     }
 
-    /// The end: reported by the control task, and the control goes back. A permanent activity is reported to nobody.
-    fn end(&self) -> Vec<Action> {
+    /// The end: reported by the control task, and the control goes back. A permanent activity is reported to nobody, and an exception is no
+    /// success.
+    fn end(&self, is_exception: bool) -> Vec<Action> {
         let mut actions = Vec::new();
-        if let Some(done) = self.cell.activity.and_then(|a| self.plan.done.get(&a)) {
+        let done = self.cell.activity.and_then(|a| self.plan.done.get(&a));
+        if let Some(done) = done.filter(|_| !is_exception) {
             actions.push(Action::If(Cond::Is(self.cell.run, status::RUN), vec![Action::Set(*done, 1)], Vec::new()));
         }
         let ended = if self.cell.activity.is_some() { status::ETHER } else { status::VOID };
@@ -285,8 +293,14 @@ impl Activity<'_, '_> {
                     self.begin(from, stop, Class::Interruption, guard, actions, span).eager();
                 }
                 None => {
-                    let draft =
-                        Draft { from, to: self.ether, class: Class::Interruption, guard, actions: self.end(), span };
+                    let draft = Draft {
+                        from,
+                        to: self.ether,
+                        class: Class::Interruption,
+                        guard,
+                        actions: self.end(false),
+                        span,
+                    };
                     self.builder.edge(draft).eager();
                 }
             }
@@ -300,7 +314,9 @@ impl Activity<'_, '_> {
         let release: Vec<Action> = state.lock.map(|lock| Action::Set(lock, 0)).into_iter().collect();
         let runtime = self.plan.settings.runtime;
         let call = |result| runtime.then_some(Call { codel: id, wcet_ns, result });
-        let result = self.next.map(|next| (next, successors.iter().map(Transition::text).collect::<Vec<_>>()));
+        let mut events: Vec<String> = successors.iter().map(Transition::text).collect();
+        events.extend(self.throws().then(|| EXCEPTION.to_owned()));
+        let result = self.next.map(|next| (next, events));
         let last = state.done.or(state.test);
         if let Some(last) = last {
             // Not before the codel has ended may others have what it used.
@@ -349,12 +365,30 @@ impl Activity<'_, '_> {
                 (None, false) => drop(edge.clock(ClockGuard::Positive)),
             }
         }
+        if let (Some(from), Some(next), true) = (last, self.next, self.throws()) {
+            self.exception(id, state, from, Cond::Is(next, successors.len() as i64));
+        }
+    }
+
+    /// What a codel throws ends its activity.
+    fn exception(&mut self, id: CodelId, state: State, from: LocId, mut guard: Cond) {
+        let release = state.lock.filter(|_| state.done.is_none()).map(|lock| Action::Set(lock, 0));
+        let mut actions: Vec<Action> = release.into_iter().chain(self.end(true)).collect();
+        actions.extend(self.plan.wake(Some(self.task.id)));
+        if self.is_spawning(id) {
+            actions.extend(self.spawn());
+        }
+        if state.done.is_some() {
+            guard = self.has_control().and(self.is_busy()).and(guard);
+        }
+        let draft = Draft { from, to: self.ether, class: Class::Termination, guard, actions, span: state.span };
+        self.builder.edge(draft).eager();
     }
 
     /// Where a transition leads, and what it does besides.
     fn arrival(&self, transition: &Transition, actions: &mut Vec<Action>) -> (LocId, Class) {
         let Some(state) = target(transition).and_then(|id| self.states.get(&id)) else {
-            actions.extend(self.end());
+            actions.extend(self.end(false));
             actions.extend(self.plan.wake(Some(self.task.id)));
             return (self.ether, Class::Termination);
         };

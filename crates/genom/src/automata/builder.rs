@@ -59,6 +59,7 @@ impl Builder {
             actions: draft.actions,
             resets: false,
             call: None,
+            is_refusal: false,
             span: draft.span,
         });
         let last = self.automaton.edges.len() - 1;

@@ -30,6 +30,9 @@ pub(super) fn automaton(plan: &Plan<'_>) -> Automaton {
     control.builder.finish()
 }
 
+/// How a codel of the control task may end: the end's name, where it leads, and what it does besides giving its lock back.
+type End<'e> = (&'e str, LocId, Vec<Action>);
+
 struct Control<'p, 'm> {
     plan: &'p Plan<'m>,
     builder: Builder,
@@ -59,8 +62,8 @@ impl Control<'_, '_> {
         let mut at = first;
         if let Some(validate) = service.validate {
             let accepted = self.builder.location(&format!("{}_accepted", service.name), None, None, span);
-            let ends = [("accept", accepted), ("reject", self.finish)];
-            self.run(&format!("{}_validate", service.name), at, validate, &ends, Vec::new());
+            let ends = [("accept", accepted, Vec::new()), ("reject", self.finish, Vec::new())];
+            self.run(&format!("{}_validate", service.name), at, validate, &ends);
             at = accepted;
         }
         match service.kind {
@@ -79,15 +82,22 @@ impl Control<'_, '_> {
         };
         for codel in others {
             let next = self.builder.location(&format!("{}_then", service.name), None, None, service.span);
-            self.run(&format!("{}_run", service.name), at, *codel, &[("next", next)], Vec::new());
+            self.serving(service, at, *codel, ("next", next, Vec::new()));
             at = next;
         }
-        let ends = [("done", self.finish)];
-        self.run(&format!("{}_run", service.name), at, *final_codel, &ends, last);
+        self.serving(service, at, *final_codel, ("done", self.finish, last));
+    }
+
+    /// Runs a codel of a function; where it may throw an exception, that is the function's end.
+    fn serving(&mut self, service: &Service, at: LocId, codel: CodelId, end: End<'_>) {
+        let throws = self.plan.settings.runtime && self.plan.settings.exceptions;
+        let thrown = throws.then(|| ("throw", self.finish, Vec::new()));
+        let ends: Vec<End<'_>> = std::iter::once(end).chain(thrown).collect();
+        self.run(&format!("{}_run", service.name), at, codel, &ends);
     }
 
     /// Runs a codel from a location: it takes its lock, takes its time, and leads to one of `ends`.
-    fn run(&mut self, name: &str, from: LocId, codel: CodelId, ends: &[(&str, LocId)], actions: Vec<Action>) {
+    fn run(&mut self, name: &str, from: LocId, codel: CodelId, ends: &[End<'_>]) {
         let declared = self.plan.component.codels.get(codel.0);
         let (wcet_ns, span) = declared.map_or((None, self.plan.component.span), |c| (c.wcet_ns, c.span));
         let exec = self.builder.location(&format!("{name}_exec"), Some(codel), wcet_ns, span);
@@ -95,7 +105,7 @@ impl Control<'_, '_> {
         let take = lock.map(|lock| Action::Set(lock, 1)).into_iter().collect();
         let draft = Draft { from, to: exec, class: Class::Mutex, guard: self.plan.is_free(codel), actions: take, span };
         self.builder.named(&format!("{name}_begin"), draft).eager().resets(true);
-        for (end, to) in ends {
+        for (end, to, actions) in ends {
             let release = lock.map(|lock| Action::Set(lock, 0)).into_iter();
             let draft = Draft {
                 from: exec,
@@ -105,7 +115,8 @@ impl Control<'_, '_> {
                 actions: release.chain(actions.clone()).collect(),
                 span,
             };
-            self.builder.named(&format!("{name}_{end}"), draft).clock(ClockGuard::Positive);
+            let edge = self.builder.named(&format!("{name}_{end}"), draft).clock(ClockGuard::Positive);
+            edge.is_refusal = matches!(*end, "reject" | "throw");
         }
     }
 

@@ -35,7 +35,7 @@ use std::fmt;
 
 use lapwing_diag::Span;
 
-use crate::model::{CodelId, Model, TaskId};
+use crate::model::{Codel, CodelId, Model, ServiceId, TaskId, Transition};
 use crate::mutex::Rules;
 
 pub use plan::status;
@@ -49,12 +49,14 @@ pub struct Settings {
     pub rules: Rules,
     /// Whether codels are called, as the paper's section III-B4 extends the automata; else they only take time.
     pub runtime: bool,
+    /// Whether what is called may also throw an exception, which ends its activity or service. Without `runtime` it makes no difference.
+    pub exceptions: bool,
 }
 
 impl Default for Settings {
     /// Two instances, as GenoM3's published models have: one that ends, and one that waits for that.
     fn default() -> Settings {
-        Settings { instances: 2, rules: Rules::default(), runtime: false }
+        Settings { instances: 2, rules: Rules::default(), runtime: false, exceptions: false }
     }
 }
 
@@ -74,6 +76,42 @@ pub struct System {
     pub variables: Vec<Variable>,
     /// The automata.
     pub automata: Vec<Automaton>,
+    /// The cells of the tables `run`: which automaton is which instance of what.
+    pub cells: Vec<Cell>,
+    /// The tasks: which automata and variables are theirs.
+    pub tasks: Vec<TaskParts>,
+}
+
+/// An entry of a task's table `run`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Cell {
+    /// Its automaton.
+    pub automaton: usize,
+    /// The number of the component.
+    pub component: usize,
+    /// The task.
+    pub task: TaskId,
+    /// The activity; none for the permanent one.
+    pub activity: Option<ServiceId>,
+    /// Which of the activity's instances it is, from 1.
+    pub instance: usize,
+    /// Its status, as [`status`] numbers them.
+    pub status: VarId,
+}
+
+/// The automata and variables of a task.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct TaskParts {
+    /// The number of the component.
+    pub component: usize,
+    /// The task.
+    pub task: TaskId,
+    /// Its timer, where it has a period.
+    pub timer: Option<usize>,
+    /// Its manager; that waits for a turn where it begins.
+    pub manager: usize,
+    /// A turn is due.
+    pub sig: VarId,
 }
 
 /// A variable: an integer with bounds, or a truth value as 0 and 1.
@@ -190,6 +228,8 @@ pub struct Edge {
     pub resets: bool,
     /// The codel that it calls, and within which time that must have returned.
     pub call: Option<Call>,
+    /// Whether it leaves a codel of the control task that has refused, or has thrown an exception.
+    pub is_refusal: bool,
     /// Where the specification has it.
     pub span: Span,
 }
@@ -318,6 +358,21 @@ impl Action {
             }
         }
     }
+}
+
+/// What a [`Call`] returns for an exception, as its list of events has it.
+pub const EXCEPTION: &str = "an exception";
+
+/// The place of an event, `main` or `pause::main`, among those that a call of the codel can return: events that lead to the same place are one.
+pub fn branch(codel: &Codel, event: &str) -> Option<usize> {
+    let transition = codel.yields().iter().find(|t| t.text() == event)?;
+    let is_same = |t: &Transition| (t.pause, t.to) == (transition.pause, transition.to);
+    activity::successors(codel).iter().position(is_same)
+}
+
+/// The place of an exception among what a call of the codel can return, where exceptions are [set](Settings::exceptions).
+pub fn branch_of_exception(codel: &Codel) -> usize {
+    activity::successors(codel).len()
 }
 
 /// A task with more activities, times their instances, than a manager written out as nested conditions can have.

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::builder::unique;
-use super::{Action, Automaton, Cond, Settings, System, VarId, Variable, activity, control, task};
+use super::{Action, Automaton, Cond, Settings, System, TaskParts, VarId, Variable, activity, control, task};
 use crate::model::{CodelId, Component, Model, Role, ServiceId, TaskId};
 use crate::mutex::{Mutex, Which};
 
@@ -26,6 +26,8 @@ pub mod status {
 pub(super) struct Cell {
     /// The activity; none for the permanent one.
     pub activity: Option<ServiceId>,
+    /// Which of the activity's instances it is, from 1.
+    pub instance: usize,
     /// What its automaton is called.
     pub name: String,
     /// Its status.
@@ -156,12 +158,30 @@ pub(super) fn system(model: &Model, settings: Settings) -> System {
         .map(|(number, component)| plan(number, component, settings, &mutex, &locks, &mut variables))
         .collect();
     let mut automata: Vec<Automaton> = Vec::new();
+    let (mut cells, mut tasks) = (Vec::new(), Vec::new());
     for plan in &plans {
         automata.push(control::automaton(plan));
         for task in &plan.tasks {
-            automata.extend(task::timer(plan, task));
+            let timer = task::timer(plan, task);
+            let parts = TaskParts {
+                component: plan.number,
+                task: task.id,
+                timer: timer.is_some().then_some(automata.len()),
+                manager: automata.len() + usize::from(timer.is_some()),
+                sig: task.sig,
+            };
+            tasks.push(parts);
+            automata.extend(timer);
             automata.push(task::manager(plan, task));
-            for (place, _) in task.cells.iter().enumerate() {
+            for (place, cell) in task.cells.iter().enumerate() {
+                cells.push(super::Cell {
+                    automaton: automata.len(),
+                    component: plan.number,
+                    task: task.id,
+                    activity: cell.activity,
+                    instance: cell.instance,
+                    status: cell.run,
+                });
                 automata.push(activity::automaton(plan, task, place, &mut |name, most, meaning| match most {
                     None => variables.flag(name, meaning),
                     Some(most) => variables.number(name, most, 0, meaning),
@@ -171,7 +191,7 @@ pub(super) fn system(model: &Model, settings: Settings) -> System {
     }
     unique_names(&mut automata);
     let names: Vec<&str> = model.components.iter().map(|c| c.name.as_str()).collect();
-    System { name: names.join("_"), variables: variables.all, automata }
+    System { name: names.join("_"), variables: variables.all, automata, cells, tasks }
 }
 
 /// Two components may have names that come out alike once they are joined with those of their tasks.
@@ -228,15 +248,15 @@ fn task_plan(
     let task = component.tasks.get(id.0);
     let name = task.map_or("", |t| t.name.as_str());
     let prefix = format!("{}_{name}", component.name);
-    let mut owners: Vec<(Option<ServiceId>, String)> = Vec::new();
+    let mut owners: Vec<(Option<ServiceId>, usize, String)> = Vec::new();
     if has_permanent {
-        owners.push((None, format!("{prefix}_permanent")));
+        owners.push((None, 1, format!("{prefix}_permanent")));
     }
     for activity in component.activities(id) {
         let Some(service) = component.services.get(activity.0).filter(|s| !s.codels.is_empty()) else { continue };
         for instance in 1..=settings.instances {
             let number = if settings.instances > 1 { format!("_{instance}") } else { String::new() };
-            owners.push((Some(activity), format!("{}_{}{number}", component.name, service.name)));
+            owners.push((Some(activity), instance, format!("{}_{}{number}", component.name, service.name)));
         }
     }
     let count = owners.len() as i64;
@@ -252,12 +272,12 @@ fn task_plan(
     let cells = owners
         .into_iter()
         .enumerate()
-        .map(|(number, (activity, owner))| {
+        .map(|(number, (activity, instance, owner))| {
             let initial = if activity.is_none() { status::RUN } else { status::VOID };
             let meaning =
                 format!("the status of `{owner}`: 0 runs, 1 waits, 2 is to stop, 3 has ended, 4 is not there");
             let run = variables.number(&format!("{prefix}_run_{number}_s"), status::VOID, initial, meaning);
-            Cell { activity, name: owner, run, turn: number as i64 + 1 }
+            Cell { activity, instance, name: owner, run, turn: number as i64 + 1 }
         })
         .collect();
     TaskPlan { id, sig, pi, i, cells, is_periodic: task.is_some_and(|t| t.period_ns.is_some()) }

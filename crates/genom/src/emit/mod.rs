@@ -3,6 +3,7 @@
 //! The same system gives the same text, byte by byte.
 
 mod bip;
+mod c;
 mod names;
 mod picture;
 mod share;
@@ -13,6 +14,8 @@ use lapwing_diag::{SourceMap, Span};
 use crate::automata::System;
 
 pub use bip::bip;
+pub use c::{CFile, NotInC, c_codels, c_files, fingerprint};
+pub use names::bip as bip_name;
 pub use picture::automata_graphs;
 pub use share::Sharing;
 pub use uppaal::uppaal;

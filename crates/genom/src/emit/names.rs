@@ -131,7 +131,7 @@ fn apart(name: &str, words: &[&str]) -> String {
 }
 
 /// A name that RT-BIP takes for one.
-pub(super) fn bip(name: &str) -> String {
+pub fn bip(name: &str) -> String {
     apart(name, BIP)
 }
 

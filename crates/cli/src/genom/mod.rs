@@ -1,10 +1,14 @@
-//! `lapwing genom`: GenoM3 components checked, drawn, and written as models for other tools.
+//! `lapwing genom`: GenoM3 components checked, drawn, written as models for other tools, and run.
+
+mod run;
 
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::{Args, ColorChoice, Subcommand, ValueEnum};
+use lapwing_components::{Signals, Types, model};
 use lapwing_diag::{Style, render};
 use lapwing_draw::{Picture, draw};
 use lapwing_genom::automata::{self, Settings, System};
@@ -15,6 +19,7 @@ use lapwing_genom::{Disk, Loaded, Options, graph, load};
 
 use crate::complain::{Complaint, say, styles};
 use crate::exit::Exit;
+use crate::words::specs;
 
 /// Arguments of `genom`.
 #[derive(Debug, Args)]
@@ -23,6 +28,7 @@ use crate::exit::Exit;
   lapwing genom graph robot.gen --format svg     who writes what for whom, and every state machine
   lapwing genom bip robot.gen > robot.bip        the components as timed automata in RT-BIP
   lapwing genom uppaal robot.gen > robot.xml     the same for UPPAAL
+  lapwing genom run robot.gen --spec robot.rv --requests mission.txt    runs them, watched
 
 docs/genom.md says what is read and what is written. Exit codes: 0 the components can be used; 2 they cannot.")]
 pub struct Genom {
@@ -42,6 +48,18 @@ pub enum Action {
     Bip(BipArguments),
     /// Writes them as timed automata for UPPAAL
     Uppaal(ModelArguments),
+    /// Writes the headers and the glue with which codels in C are compiled
+    Headers(HeadersArguments),
+    /// Calls codels of a library for another process: `run --isolate` starts it
+    #[command(hide = true)]
+    Serve {
+        /// The library
+        library: PathBuf,
+        /// The component
+        component: String,
+    },
+    /// Runs them: their automata call codels, or only take the time that these may take
+    Run(run::RunArguments),
 }
 
 /// Which specifications to read, and how.
@@ -118,27 +136,101 @@ pub struct BipArguments {
     /// Call the codels as external functions, and let what they return decide; else they only take time
     #[arg(long)]
     pub runtime: bool,
+    /// Let called codels throw exceptions, which end their activities and services; only with --runtime
+    #[arg(long, requires = "runtime")]
+    pub exceptions: bool,
+    /// A specification whose properties become monitors in the model, and whose reactions make requests
+    #[arg(long, value_name = "SPEC.rv")]
+    pub spec: Vec<PathBuf>,
+    /// Requests, one on each line with its time, `@1s LaserDriver.Acquire()`: a client makes them, and nobody else makes any
+    #[arg(long, value_name = "FILE")]
+    pub requests: Option<PathBuf>,
+}
+
+/// Arguments of `headers`.
+#[derive(Debug, Args)]
+pub struct HeadersArguments {
+    /// What to read.
+    #[command(flatten)]
+    pub reading: Reading,
+    /// The folder to write to
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
 }
 
 /// Runs the command.
 pub fn run(arguments: &Genom) -> Result<Exit, Complaint> {
     let text = match &arguments.action {
+        Action::Run(arguments) => return run::run(arguments),
+        Action::Serve { library, component } => return Ok(serve(library, component)),
+        Action::Headers(arguments) => headers(arguments)?,
         Action::Check(reading) => summary(&read(reading)?),
         Action::Graph(arguments) => picture(arguments)?,
         Action::Bip(arguments) => {
             let loaded = read(&arguments.model.reading)?;
-            let system = system(&loaded, &arguments.model, arguments.runtime)?;
-            lapwing_bip::print(&emit::bip(Input { system: &system, sources: &loaded.sources }))
+            bip(arguments, loaded)?
         }
         Action::Uppaal(arguments) => {
             let loaded = read(&arguments.reading)?;
-            let system = system(&loaded, arguments, false)?;
+            let system = system(&loaded, arguments, false, false)?;
             emit::uppaal(Input { system: &system, sources: &loaded.sources })
         }
     };
     // Where nobody reads it there is nothing to be done.
     drop(io::stdout().write_all(text.as_bytes()));
     Ok(Exit::Good)
+}
+
+/// The components in RT-BIP, with the monitors and the client that are asked for.
+fn bip(arguments: &BipArguments, loaded: Loaded) -> Result<String, Complaint> {
+    let system = system(&loaded, &arguments.model, arguments.runtime, arguments.exceptions)?;
+    let mut package = emit::bip(Input { system: &system, sources: &loaded.sources });
+    let model = Arc::new(loaded.model);
+    let types = Types::new(&model);
+    let (_, style) = styles(arguments.model.reading.color);
+    if let Some(path) = &arguments.requests {
+        let requests = run::requests_of(path, &model, &types)?;
+        package = model::with_requests(package, &system, &model, &requests);
+    }
+    let signals = Signals::new(&model, &types);
+    for spec in &specs(&arguments.spec, &[], style)? {
+        let with = model::with_monitors(package, &system, &model, spec, &signals, style);
+        package = with.map_err(|wrong| Complaint::rendered(wrong.0))?;
+    }
+    Ok(lapwing_bip::print(&package))
+}
+
+/// Writes what C codels are compiled with, and says how.
+fn headers(arguments: &HeadersArguments) -> Result<String, Complaint> {
+    let loaded = read(&arguments.reading)?;
+    let files = emit::c_files(&loaded.model).map_err(|e| Complaint::new(e.to_string()))?;
+    let folder = &arguments.output;
+    let cannot = |e: io::Error| Complaint::new(format!("{} cannot be written: {e}", folder.display()));
+    std::fs::create_dir_all(folder).map_err(cannot)?;
+    for file in &files {
+        std::fs::write(folder.join(&file.name), &file.text).map_err(cannot)?;
+    }
+    let mut text = format!("wrote {} files to {}\n", files.len(), folder.display());
+    for glue in files.iter().filter(|f| f.name.ends_with("_glue.c")) {
+        let name = glue.name.trim_end_matches("_glue.c");
+        let folder = folder.display();
+        let _ = writeln!(
+            text,
+            "{name}: gcc -shared -fPIC -I {folder} -o lib{name}.so {folder}/{} YOUR_CODELS.c, where these include \"ac{name}.h\"",
+            glue.name
+        );
+    }
+    Ok(text)
+}
+
+#[cfg(unix)]
+fn serve(library: &std::path::Path, component: &str) -> Exit {
+    if lapwing_codels::serve(library, component) { Exit::Good } else { Exit::Wrong }
+}
+
+#[cfg(not(unix))]
+fn serve(_: &std::path::Path, _: &str) -> Exit {
+    Exit::Wrong
 }
 
 /// Reads specifications; what is wrong with them is said, and ends the command where they cannot be used.
@@ -224,13 +316,17 @@ fn picture(arguments: &GraphArguments) -> Result<String, Complaint> {
     Ok(draw(&name, &graphs, picture))
 }
 
-fn system(loaded: &Loaded, arguments: &ModelArguments, runtime: bool) -> Result<System, Complaint> {
+fn system(loaded: &Loaded, arguments: &ModelArguments, runtime: bool, exceptions: bool) -> Result<System, Complaint> {
     if loaded.model.components.is_empty() {
         let complaint = Complaint::new("there is no component to make a model of");
         return Err(complaint.help("interfaces and types alone do nothing: give the file that says `component`"));
     }
-    let settings =
-        Settings { instances: arguments.instances, rules: Rules { readers_share: arguments.readers_share }, runtime };
+    let settings = Settings {
+        instances: arguments.instances,
+        rules: Rules { readers_share: arguments.readers_share },
+        runtime,
+        exceptions,
+    };
     built(loaded, settings)
 }
 

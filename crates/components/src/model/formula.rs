@@ -1,0 +1,193 @@
+//! From formulas to what an atom can do: conditions over events and `running`, judged at every position, and one clock.
+
+use lapwing_bip::ast::{BinaryOp, Expr as Code, Stmt, UnaryOp};
+use lapwing_check::checked::{self, Bound, Compare, Connective, Event, EventSource, Expr, InputSource, Kind, Scope};
+use lapwing_diag::Span;
+use lapwing_stream::Duration;
+
+/// What an atom cannot watch for, and where that is said.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) struct Beyond {
+    pub span: Span,
+    pub what: String,
+}
+
+/// What a property comes to.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) enum Shape {
+    /// It holds at every position.
+    Always(Code),
+    /// Whenever the first holds, the second does within a time: how long, whether the end is in, and whether the moment itself counts.
+    Responds { asked: Code, answer: Code, within: Duration, closed: bool, at_once: bool },
+    /// The last message of a topic is never older.
+    Fresh { topic: String, within: Duration, closed: bool },
+}
+
+/// What a formula reads, and what an atom has to keep for it.
+#[derive(Default)]
+pub(super) struct Reader<'s> {
+    pub spec: Option<&'s checked::Spec>,
+    /// The topics of which a message is an event, with the names of the variables that say so.
+    pub events: Vec<(String, String)>,
+    /// The topics `running`, with the names of the variables that count.
+    pub running: Vec<(String, String)>,
+    /// What is to be known of the position before: variables and conditions.
+    pub before: Vec<(String, Code)>,
+}
+
+impl Reader<'_> {
+    /// What a property comes to.
+    pub fn shape(&mut self, formula: &Expr) -> Result<Shape, Beyond> {
+        let body: &Expr = match &formula.kind {
+            Kind::Always(Bound::ALL, body) => body,
+            _ => formula,
+        };
+        if let Some(fresh) = self.fresh(body)? {
+            return Ok(fresh);
+        }
+        let (asked, rest): (Option<&Expr>, &Expr) = match &body.kind {
+            Kind::Scope(Scope::Whenever, asked, rest) => (Some(asked), rest),
+            Kind::Connective(Connective::Implies, asked, rest) => (Some(asked), rest),
+            _ => (None, body),
+        };
+        let (within, answer): (Option<Bound>, &Expr) = match &rest.kind {
+            Kind::Eventually(bound, answer) => (Some(*bound), answer),
+            _ => (None, rest),
+        };
+        let Some(bound) = within else {
+            let condition = self.condition(rest)?;
+            return Ok(Shape::Always(match asked {
+                Some(asked) => Code::binary(BinaryOp::Or, not(self.condition(asked)?), condition),
+                None => condition,
+            }));
+        };
+        let Some(hi) = bound.hi.filter(|_| bound.lo == Duration::ZERO) else {
+            return Err(beyond(rest, "an `eventually` whose bound does not begin now, or has no end"));
+        };
+        let asked = match asked {
+            Some(asked) => self.condition(asked)?,
+            None => Code::bool(true),
+        };
+        let answer = self.condition(answer)?;
+        Ok(Shape::Responds { asked, answer, within: hi, closed: bound.hi_closed, at_once: bound.lo_closed })
+    }
+
+    /// `age(/topic) <= d`
+    fn fresh(&mut self, e: &Expr) -> Result<Option<Shape>, Beyond> {
+        let Kind::Compare { op, margin: None, left, right } = &e.kind else { return Ok(None) };
+        let (Kind::Age(topic), Kind::Num(seconds)) = (&left.kind, &right.kind) else { return Ok(None) };
+        let closed = match op {
+            Compare::Le => true,
+            Compare::Lt => false,
+            _ => return Err(beyond(e, "an age that is compared otherwise than by `<=` or `<`")),
+        };
+        let topic = self.spec.and_then(|s| s.topics.get(*topic)).map(|t| t.name.clone()).unwrap_or_default();
+        let within = Duration::from_nanos((seconds * 1e9).round() as i64);
+        Ok(Some(Shape::Fresh { topic, within, closed }))
+    }
+
+    /// A condition on a position, on events and on what runs.
+    fn condition(&mut self, e: &Expr) -> Result<Code, Beyond> {
+        Ok(match &e.kind {
+            Kind::Bool(value) => Code::bool(*value),
+            Kind::Truth(inner) => self.condition(inner)?,
+            Kind::Not(inner) => not(self.condition(inner)?),
+            Kind::Connective(connective, left, right) => {
+                let (left, right) = (self.condition(left)?, self.condition(right)?);
+                match connective {
+                    Connective::And => Code::binary(BinaryOp::And, left, right),
+                    Connective::Or => Code::binary(BinaryOp::Or, left, right),
+                    Connective::Implies => Code::binary(BinaryOp::Or, not(left), right),
+                    Connective::Iff => Code::binary(BinaryOp::Equal, left, right),
+                }
+            }
+            Kind::Becomes(inner) => {
+                let now = self.condition(inner)?;
+                let before = self.kept(now.clone());
+                Code::binary(BinaryOp::And, now, not(before))
+            }
+            Kind::Previously(inner) => {
+                let now = self.condition(inner)?;
+                self.kept(now)
+            }
+            Kind::Event(event) => self.event(*event, e)?,
+            Kind::Fresh(topic) => {
+                let name = self.spec.and_then(|s| s.topics.get(*topic)).map(|t| t.name.clone()).unwrap_or_default();
+                Code::path(self.flag(&name))
+            }
+            Kind::Input(input) => self.running(*input, e)?,
+            Kind::Once(..) | Kind::Historically(..) | Kind::Since(..) | Kind::Held(..) => {
+                return Err(beyond(e, "an operator over the past other than `previously` and `becomes`"));
+            }
+            Kind::Compare { .. } | Kind::EventField { .. } => {
+                return Err(beyond(e, "values: the model has events and what runs, and no data"));
+            }
+            _ => return Err(beyond(e, "this")),
+        })
+    }
+
+    /// The variable that has the value that a condition had at the position before.
+    fn kept(&mut self, now: Code) -> Code {
+        let name = format!("before_{}", self.before.len() + 1);
+        self.before.push((name.clone(), now));
+        Code::path(name)
+    }
+
+    fn event(&mut self, number: usize, e: &Expr) -> Result<Code, Beyond> {
+        let spec = self.spec;
+        let found = spec.and_then(|s| s.events.get(number));
+        let Some(Event { source: EventSource::Message { topic }, when: None, .. }) = found else {
+            return Err(beyond(e, "an event that is no message of a component, or has a condition of its own"));
+        };
+        let name = spec.and_then(|s| s.topics.get(*topic)).map(|t| t.name.clone()).unwrap_or_default();
+        if name.ends_with("/report") {
+            return Err(beyond(e, "reports: the model makes several at once"));
+        }
+        Ok(Code::path(self.flag(&name)))
+    }
+
+    /// The variable that says whether there is a message of a topic at this position.
+    fn flag(&mut self, topic: &str) -> String {
+        if let Some((_, name)) = self.events.iter().find(|(t, _)| t == topic) {
+            return name.clone();
+        }
+        let name = format!("on{}", topic.replace('/', "_"));
+        self.events.push((topic.to_owned(), name.clone()));
+        name
+    }
+
+    fn running(&mut self, input: usize, e: &Expr) -> Result<Code, Beyond> {
+        let found = self.spec.and_then(|s| Some((s, s.inputs.get(input)?)));
+        let topic = match found {
+            Some((spec, input)) => match input.source {
+                InputSource::Field { topic, .. } => spec.topics.get(topic).map(|t| t.name.clone()),
+                _ => None,
+            },
+            None => None,
+        };
+        let Some(topic) = topic.filter(|t| t.ends_with("/running")) else {
+            return Err(beyond(e, "values: the model has events and what runs, and no data"));
+        };
+        let known = self.running.iter().find(|(t, _)| *t == topic).map(|(_, name)| name.clone());
+        let name = known.unwrap_or_else(|| {
+            let name = format!("count{}", topic.trim_end_matches("/running").replace('/', "_"));
+            self.running.push((topic, name.clone()));
+            name
+        });
+        Ok(Code::binary(BinaryOp::Greater, Code::path(name), Code::int(0)))
+    }
+}
+
+fn beyond(e: &Expr, what: &str) -> Beyond {
+    Beyond { span: e.span, what: what.to_owned() }
+}
+
+/// The contrary.
+pub(super) fn not(code: Code) -> Code {
+    Code::unary(UnaryOp::Not, code)
+}
+
+/// `name = value;` for a truth value.
+pub(super) fn set(name: &str, value: bool) -> Stmt {
+    Stmt::assign(name, Code::bool(value))
+}

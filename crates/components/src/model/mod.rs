@@ -1,0 +1,187 @@
+//! Models in RT-BIP with what a run has besides the components: monitors that watch them and react, and a client that makes requests.
+//!
+//! A monitor is an atom that joins what it watches by broadcast, so that it hinders nothing, and is ready for it wherever it is. A violation is
+//! an eager move of its own that goes before whatever it watches, and what is then asked for is kept in a second atom until the control task can take
+//! it: it cannot be missed, and goes before the requests of others. These are the two holes of the monitor of Foughali et al. (MEMOCODE 2020, section
+//! IV-B), whose report has to wait for who answers it, and whose end is lost where it comes with the timeout.
+
+mod client;
+mod formula;
+mod guard;
+mod letters;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use lapwing_bip::ast::{
+    Component, CompoundType, Connector, ConnectorType, Decl, DeclKind, Name, Package, Path, PortExpr, PortExprKind,
+    Priority, Side,
+};
+use lapwing_diag::Span;
+use lapwing_genom::automata::{Automaton, Part, System};
+use lapwing_genom::emit::bip_name;
+
+pub use client::with_requests;
+pub use guard::with_monitors;
+
+/// A model that is being added to.
+struct Draft<'d> {
+    package: Package,
+    system: &'d System,
+    /// Connector types that have been declared.
+    shapes: BTreeSet<String>,
+    /// For each edge that somebody watches: the ports of those who do.
+    watchers: BTreeMap<(usize, usize), Vec<Path>>,
+}
+
+impl<'d> Draft<'d> {
+    fn new(package: Package, system: &'d System) -> Draft<'d> {
+        let shapes = package.decls.iter().filter_map(|decl| match &decl.kind {
+            DeclKind::Connector(ty) => Some(ty.name.text.clone()),
+            _ => None,
+        });
+        Draft { shapes: shapes.collect(), package, system, watchers: BTreeMap::new() }
+    }
+
+    fn root(&mut self) -> Option<&mut CompoundType> {
+        self.package.decls.iter_mut().rev().find_map(|decl| match &mut decl.kind {
+            DeclKind::Compound(root) if root.name.text == "Root" => Some(root),
+            _ => None,
+        })
+    }
+
+    /// Adds a declaration before the root.
+    fn declare(&mut self, decl: Decl) {
+        let last = self.package.decls.len().saturating_sub(1);
+        self.package.decls.insert(last, decl);
+    }
+
+    /// Adds an instance of an atom type to the root.
+    fn component(&mut self, ty: &str, name: &str) {
+        let component = Component { notes: Vec::new(), ty: ty.into(), name: name.into(), args: Vec::new() };
+        if let Some(root) = self.root() {
+            root.components.push(component);
+        }
+    }
+
+    /// A connector type in which all take part or none.
+    fn rendezvous(&mut self, size: usize) -> String {
+        let name = format!("Rendezvous{size}");
+        if self.shapes.insert(name.clone()) {
+            let define = (1..=size).map(|n| PortExpr::synchron(format!("p{n}"))).collect();
+            self.shape(&name, size, define);
+        }
+        name
+    }
+
+    /// A connector type in which the first `size` take part together, and others join them where they can.
+    fn broadcast(&mut self, size: usize, others: usize) -> String {
+        let name = format!("Watched{size}_{others}");
+        if self.shapes.insert(name.clone()) {
+            let group: Vec<PortExpr> = (1..=size).map(|n| PortExpr::synchron(format!("p{n}"))).collect();
+            let first = match size {
+                1 => PortExpr::trigger("p1"),
+                _ => PortExpr { kind: PortExprKind::Group(group), is_trigger: true },
+            };
+            let joining = (size + 1..=size + others).map(|n| PortExpr::synchron(format!("p{n}")));
+            self.shape(&name, size + others, std::iter::once(first).chain(joining).collect());
+        }
+        name
+    }
+
+    fn shape(&mut self, name: &str, size: usize, define: Vec<PortExpr>) {
+        let ports = (1..=size).map(|n| (Path::from("Basic"), Name::from(format!("p{n}")))).collect();
+        let ty = ConnectorType {
+            name: name.into(),
+            ports,
+            data: Vec::new(),
+            export: None,
+            define,
+            resume: None,
+            interactions: Vec::new(),
+        };
+        // Types stand before the atoms, so that the text reads from the top.
+        let at = self.package.decls.iter().position(|d| matches!(d.kind, DeclKind::Atom(_)));
+        self.package.decls.insert(at.unwrap_or(self.package.decls.len()), DeclKind::Connector(ty).into());
+    }
+
+    fn connect(&mut self, name: &str, ports: Vec<Path>, note: String) {
+        let ty = self.rendezvous(ports.len());
+        let connector = Connector { notes: vec![note], ty: ty.into(), name: name.into(), ports };
+        if let Some(root) = self.root() {
+            root.connectors.push(connector);
+        }
+    }
+
+    fn priority(&mut self, name: String, low: &str, high: &str) {
+        let side = |name: &str| Side::Connector(name.into());
+        let (low, high) = (side(low), side(high));
+        let priority = Priority { notes: Vec::new(), name: name.into(), low, high, guard: None, span: Span::default() };
+        if let Some(root) = self.root() {
+            root.priorities.push(priority);
+        }
+    }
+
+    /// Somebody watches an edge through a port.
+    fn watch(&mut self, automaton: usize, edge: usize, port: Path) {
+        self.watchers.entry((automaton, edge)).or_default().push(port);
+    }
+
+    /// The automaton of a component's control task.
+    fn control(&self, component: usize) -> Option<(usize, &'d Automaton)> {
+        let is_it = |a: &Automaton| a.part == Part::Control && a.component == component;
+        self.system.automata.iter().enumerate().find(|(_, a)| is_it(a))
+    }
+
+    /// Joins those who watch to what they watch, and gives the model.
+    fn finish(mut self) -> Package {
+        let watchers = std::mem::take(&mut self.watchers);
+        for ((automaton, edge), ports) in watchers {
+            let Some(declared) = self.system.automata.get(automaton) else { continue };
+            let Some(edge) = declared.edges.get(edge) else { continue };
+            let name = connector_of(declared, &edge.name);
+            let known = self.root().and_then(|root| root.connectors.iter().position(|c| c.name.text == name));
+            let own = Path { parts: vec![bip_name(&declared.name).into(), bip_name(&edge.name).into()] };
+            if known.is_none() {
+                self.export(declared, &edge.name);
+            }
+            let size = known.and_then(|at| Some(self.root()?.connectors.get(at)?.ports.len())).unwrap_or(1);
+            let ty = self.broadcast(size, ports.len());
+            let Some(root) = self.root() else { continue };
+            match known.and_then(|at| root.connectors.get_mut(at)) {
+                Some(connector) => {
+                    connector.ty = ty.into();
+                    connector.ports.extend(ports);
+                }
+                None => {
+                    let ports = std::iter::once(own).chain(ports).collect();
+                    root.connectors.push(Connector { notes: Vec::new(), ty: ty.into(), name: name.into(), ports });
+                }
+            }
+        }
+        // A connector may be gone because nobody makes the request that it was for.
+        if let Some(root) = self.root() {
+            let names: BTreeSet<String> = root.connectors.iter().map(|c| c.name.text.clone()).collect();
+            let is_there = |side: &Side| matches!(side, Side::Connector(name) if names.contains(&name.text));
+            root.priorities.retain(|p| is_there(&p.low) && is_there(&p.high));
+        }
+        self.package
+    }
+
+    /// The port of an edge is seen from outside.
+    fn export(&mut self, automaton: &Automaton, edge: &str) {
+        let (ty, wanted) = (format!("{}_type", automaton.name), bip_name(edge));
+        let atoms = self.package.decls.iter_mut().filter_map(|decl| match &mut decl.kind {
+            DeclKind::Atom(atom) if atom.name.text == ty => Some(atom),
+            _ => None,
+        });
+        let ports = atoms.flat_map(|atom| &mut atom.ports);
+        for port in ports.filter(|p| p.ports.iter().any(|p| p.name.text == wanted)) {
+            port.is_exported = true;
+        }
+    }
+}
+
+/// The connector of an edge that does something to others, or is a request.
+fn connector_of(automaton: &Automaton, edge: &str) -> String {
+    format!("{}_{edge}", automaton.name)
+}

@@ -1,0 +1,429 @@
+//! A run: automata that move, codels that are called, requests that are made, and time, which passes only where nothing else can happen.
+//!
+//! [`Run::advance`] gives one [`Happening`] after the other. Nothing happens in between: who asks for a service on hearing of something does so
+//! before time passes. In logical time a codel is called where its automaton begins it, what it has done is there when its time is over, and
+//! everything that is drawn comes from the seed; in real time codels run on threads of their tasks.
+
+mod calls;
+mod moves;
+mod workers;
+
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BinaryHeap, VecDeque};
+use std::sync::Arc;
+use std::sync::mpsc::Sender;
+
+use lapwing_genom::Model;
+use lapwing_genom::automata::{self, Part, Settings, System, VarId};
+use lapwing_genom::model::{CodelId, ServiceId};
+use lapwing_genom::mutex::Rules;
+use lapwing_stream::{Duration, Time};
+use rand_pcg::Pcg64;
+use rand_pcg::rand_core::Rng;
+
+use crate::codel::Codels;
+use crate::figures::Figures;
+use crate::happening::{Happening, Outcome, What, Whose};
+use crate::machine::Machine;
+use crate::request::{self, Request};
+use crate::store::{Locals, Store};
+use crate::types::Types;
+
+use workers::{Word, Workers};
+
+/// How components are run.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Setup {
+    /// Whether time is the machine's; else it is only counted.
+    pub is_real: bool,
+    /// What chance depends on: the same seed gives the same run in logical time.
+    pub seed: u64,
+    /// How long it takes; without end where nothing is said.
+    pub duration: Option<Duration>,
+    /// How many instances of an activity there can be.
+    pub instances: usize,
+    /// What excludes what.
+    pub rules: Rules,
+    /// In real time, how long a codel may be away before it counts as hung.
+    pub patience: Duration,
+}
+
+impl Default for Setup {
+    fn default() -> Setup {
+        Setup {
+            is_real: false,
+            seed: 0,
+            duration: None,
+            instances: 2,
+            rules: Rules::default(),
+            patience: Duration::from_nanos(5_000_000_000),
+        }
+    }
+}
+
+/// How much after its period a turn may begin in real time without being called late: what a scheduler takes on a healthy machine.
+const TOLERANCE_NS: i64 = 1_000_000;
+
+/// A request that has been made.
+#[derive(Clone, Debug)]
+struct Pending {
+    id: u64,
+    whose: Whose,
+    locals: Locals,
+    values: Vec<crate::datum::Datum>,
+}
+
+/// What a cell of a task serves.
+#[derive(Clone, Debug, Default)]
+struct Serving {
+    pending: Option<Pending>,
+    outcome: Option<Outcome>,
+    /// What its codel has thrown.
+    thrown: Option<String>,
+}
+
+/// A codel that is being run.
+struct Flight {
+    codel: CodelId,
+    began: Time,
+    /// In logical time: what it has answered, which is known to nobody before it ends.
+    held: Option<(crate::codel::Call, crate::codel::Answer, Duration)>,
+}
+
+/// What is due in logical time, and in which order at one time.
+type Due = Reverse<(i64, u64, usize)>;
+
+/// A run of components.
+pub struct Run {
+    model: Arc<Model>,
+    system: Arc<System>,
+    setup: Setup,
+    codels: Codels,
+    machine: Machine,
+    store: Store,
+    random: Pcg64,
+    figures: Figures,
+    now: Time,
+    /// How many requests have been made.
+    requests: u64,
+    /// How many codels have been called in logical time: those that are due at once return in this order.
+    calls: u64,
+    /// By automaton.
+    flights: Vec<Option<Flight>>,
+    returns: BinaryHeap<Due>,
+    /// By the number of the cell.
+    serving: Vec<Serving>,
+    cell_of_automaton: BTreeMap<usize, usize>,
+    cell_of_var: BTreeMap<VarId, usize>,
+    task_of_timer: BTreeMap<usize, usize>,
+    task_of_manager: BTreeMap<usize, usize>,
+    /// When the last period of each task began.
+    ticked: Vec<Option<Time>>,
+    /// By component: the automaton of the control task, the request that it is busy with, and those that wait.
+    controls: Vec<Control>,
+    later: BinaryHeap<Due>,
+    laters: Vec<Option<Request>>,
+    happened: VecDeque<Happening>,
+    wake: Option<Time>,
+    workers: Option<Workers>,
+    has_begun: bool,
+    is_over: bool,
+}
+
+#[derive(Default)]
+struct Control {
+    automaton: usize,
+    current: Option<Pending>,
+    /// The exception for which the current request is refused or ends.
+    thrown: Option<String>,
+    /// The last codel that it has run for the current request.
+    last: Option<CodelId>,
+    waiting: VecDeque<Pending>,
+}
+
+/// Why components cannot be run.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct CannotRun(pub String);
+
+impl std::fmt::Display for CannotRun {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for CannotRun {}
+
+/// With it other threads ask for services while a run goes on in real time.
+#[derive(Clone)]
+pub struct Client {
+    mouth: Sender<Word>,
+}
+
+impl Client {
+    /// Asks for a service. `false` where the run is over.
+    pub fn request(&self, request: Request) -> bool {
+        self.mouth.send(Word::Request(request)).is_ok()
+    }
+
+    /// Ends the run.
+    pub fn stop(&self) -> bool {
+        self.mouth.send(Word::Stop).is_ok()
+    }
+}
+
+impl Run {
+    /// Components before anything has happened.
+    ///
+    /// # Errors
+    ///
+    /// They are too large.
+    pub fn new(model: Arc<Model>, setup: Setup, codels: Codels) -> Result<Run, CannotRun> {
+        let settings = Settings { instances: setup.instances, rules: setup.rules, runtime: true, exceptions: true };
+        let system = Arc::new(automata::build(&model, settings).map_err(|e| CannotRun(e.to_string()))?);
+        let store = Store::new(model.clone()).map_err(CannotRun)?;
+        let mut controls: Vec<Control> = model.components.iter().map(|_| Control::default()).collect();
+        for (number, automaton) in system.automata.iter().enumerate().filter(|(_, a)| a.part == Part::Control) {
+            if let Some(control) = controls.get_mut(automaton.component) {
+                control.automaton = number;
+            }
+        }
+        let cells = || system.cells.iter().enumerate();
+        let tasks = || system.tasks.iter().enumerate();
+        Ok(Run {
+            machine: Machine::new(system.clone()),
+            store,
+            random: Pcg64::new(u128::from(setup.seed), 0x9e37_79b9_7f4a_7c15),
+            figures: Figures::default(),
+            now: Time(0),
+            requests: 0,
+            calls: 0,
+            flights: system.automata.iter().map(|_| None).collect(),
+            returns: BinaryHeap::new(),
+            serving: vec![Serving::default(); system.cells.len()],
+            cell_of_automaton: cells().map(|(n, c)| (c.automaton, n)).collect(),
+            cell_of_var: cells().map(|(n, c)| (c.status, n)).collect(),
+            task_of_timer: tasks().filter_map(|(n, t)| Some((t.timer?, n))).collect(),
+            task_of_manager: tasks().map(|(n, t)| (t.manager, n)).collect(),
+            ticked: vec![None; system.tasks.len()],
+            controls,
+            later: BinaryHeap::new(),
+            laters: Vec::new(),
+            happened: VecDeque::new(),
+            wake: None,
+            workers: setup.is_real.then(Workers::new),
+            has_begun: false,
+            is_over: false,
+            model,
+            system,
+            setup,
+            codels,
+        })
+    }
+
+    /// The components.
+    pub fn model(&self) -> &Arc<Model> {
+        &self.model
+    }
+
+    /// The types of their values.
+    pub fn types(&self) -> &Types {
+        &self.store.types
+    }
+
+    /// How it has gone so far.
+    pub fn figures(&self) -> &Figures {
+        &self.figures
+    }
+
+    /// The present time, counted from the beginning.
+    pub fn now(&self) -> Time {
+        self.now
+    }
+
+    /// A part of the internal data of a component: `delay`, `filter.state[3]`.
+    pub fn ids(&self, component: &str, path: &str) -> Option<crate::datum::Datum> {
+        let number = self.model.components.iter().position(|c| c.name == component)?;
+        self.store.ids(number, path)
+    }
+
+    /// Who asks for services from other threads; only in real time.
+    pub fn client(&self) -> Option<Client> {
+        self.workers.as_ref().map(|workers| Client { mouth: workers.mouth() })
+    }
+
+    /// Has a request made at a time; one in the past is made at once.
+    pub fn schedule(&mut self, time: Time, request: Request) {
+        self.later.push(Reverse((time.0, self.laters.len() as u64, self.laters.len())));
+        self.laters.push(Some(request));
+    }
+
+    /// Makes a request now, before all that wait. Gives its number.
+    pub fn request_first(&mut self, request: Request, by: Option<String>) -> u64 {
+        self.ask(request, by, true)
+    }
+
+    /// Makes a request now. Gives its number.
+    pub fn request(&mut self, request: Request) -> u64 {
+        self.ask(request, None, false)
+    }
+
+    /// Makes a request of a service without arguments, or whose parameters all have defaults.
+    ///
+    /// # Errors
+    ///
+    /// There is no such service, or it needs values.
+    pub fn plain_request(&self, name: &str) -> Result<Request, String> {
+        let (component, service) = request::service_of(&self.model, name)?;
+        request::plain(&self.model, &self.store.types, component, service)
+    }
+
+    /// When [`What::Woken`] is to happen, although nothing else does; `None` for never.
+    pub fn wake_at(&mut self, time: Option<Time>) {
+        self.wake = time;
+    }
+
+    /// Ends it a while after a time, unless it would end before.
+    pub fn stop_at(&mut self, time: Time, after: Duration) {
+        let end = Duration::from_nanos(time.0.saturating_add(after.nanos()));
+        self.setup.duration = Some(self.setup.duration.map_or(end, |before| before.min(end)));
+    }
+
+    /// Ends it.
+    pub fn stop(&mut self) {
+        self.end();
+    }
+
+    /// What happens next; `None` where it is over.
+    pub fn advance(&mut self) -> Option<Happening> {
+        if !std::mem::replace(&mut self.has_begun, true)
+            && let Some(workers) = &mut self.workers
+        {
+            workers.begin();
+        }
+        loop {
+            if let Some(next) = self.happened.pop_front() {
+                return Some(next);
+            }
+            if self.is_over {
+                return None;
+            }
+            match self.machine.next(self.now) {
+                Some(next) => self.handle(next),
+                None => self.pass(),
+            }
+        }
+    }
+
+    fn ask(&mut self, request: Request, by: Option<String>, first: bool) -> u64 {
+        self.requests += 1;
+        let id = self.requests;
+        let whose = Whose { component: request.component, service: request.service };
+        self.tell(What::Requested { id, whose, values: request.values.clone(), by });
+        let service = self.model.components.get(whose.component).and_then(|c| c.services.get(whose.service.0));
+        let (Some(service), Some(control)) = (service, self.controls.get_mut(whose.component)) else { return id };
+        let locals = Locals::new(&self.store.types, service, &request.values);
+        let pending = Pending { id, whose, locals, values: request.values };
+        if first {
+            control.waiting.push_front(pending);
+        } else {
+            control.waiting.push_back(pending);
+        }
+        let automaton = control.automaton;
+        self.machine.rouse(automaton);
+        id
+    }
+
+    fn tell(&mut self, what: What) {
+        self.happened.push_back(Happening { time: self.now, what });
+    }
+
+    fn end(&mut self) {
+        if !self.is_over {
+            self.is_over = true;
+            self.tell(What::Over);
+        }
+    }
+
+    /// Lets time pass to the next thing that is due, and does that.
+    fn pass(&mut self) {
+        let first = |heap: &BinaryHeap<Due>| heap.peek().map(|Reverse((at, ..))| *at);
+        let end = self.setup.duration.map(|d| d.nanos());
+        let timer = self.machine.next_timer().map(|t| t.0);
+        let due = [first(&self.returns), first(&self.later), timer, self.wake.map(|t| t.0), end];
+        let next = due.into_iter().flatten().min();
+        match self.workers.is_some() {
+            true => self.wait(next),
+            false => match next {
+                Some(at) => {
+                    self.now = Time(at.max(self.now.0));
+                    self.due();
+                }
+                None => self.end(),
+            },
+        }
+    }
+
+    /// Does one thing that is due by now: codels return, then requests are made, then periods begin, then somebody is woken, then it ends.
+    fn due(&mut self) {
+        let now = self.now.0;
+        let take = |heap: &mut BinaryHeap<Due>| {
+            let is_due = heap.peek().is_some_and(|Reverse((at, ..))| *at <= now);
+            if is_due { heap.pop().map(|Reverse((_, _, number))| number) } else { None }
+        };
+        if let Some(automaton) = take(&mut self.returns) {
+            return self.land(automaton);
+        }
+        if let Some(number) = take(&mut self.later) {
+            if let Some(request) = self.laters.get_mut(number).and_then(Option::take) {
+                self.ask(request, None, false);
+            }
+            return;
+        }
+        if let Some((at, next)) = self.machine.tick(self.now) {
+            return self.ticks(at, next);
+        }
+        if self.wake.is_some_and(|wake| wake.0 <= now) {
+            self.wake = None;
+            return self.tell(What::Woken);
+        }
+        if self.setup.duration.is_some_and(|end| end.nanos() <= now) {
+            self.end();
+        }
+    }
+
+    /// In real time: waits until the next thing is due, or for a codel or a request.
+    fn wait(&mut self, next: Option<i64>) {
+        let hangs = self.flights.iter().flatten().filter(|f| f.held.is_none()).map(|f| f.began.0).min();
+        let hangs = hangs.map(|began| began.saturating_add(self.setup.patience.nanos()));
+        let until = [next, hangs].into_iter().flatten().min().map(Time);
+        let Some(workers) = &self.workers else { return };
+        let is_due = next.is_some_and(|next| next <= workers.now().0);
+        let word = if is_due { workers.wait(Some(Time(0))) } else { workers.wait(until) };
+        self.now = Time(workers.now().0.max(self.now.0));
+        match word {
+            Some(Word::Returned(returned)) => self.returned(*returned),
+            Some(Word::Request(request)) => _ = self.ask(request, None, false),
+            Some(Word::Stop) => self.end(),
+            None => {
+                self.hung();
+                self.due();
+            }
+        }
+    }
+
+    /// Evenly from 0 to 1, 1 excluded.
+    fn unit(&mut self) -> f64 {
+        (self.random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn service(&self, whose: Whose) -> Option<&lapwing_genom::model::Service> {
+        self.model.components.get(whose.component)?.services.get(whose.service.0)
+    }
+}
+
+impl Whose {
+    /// The service of that number in a component.
+    pub fn new(component: usize, service: ServiceId) -> Whose {
+        Whose { component, service }
+    }
+}

@@ -1,0 +1,441 @@
+//! The types of a specification at work: first values, ways into values, whether a value fits, and how monitors and recordings see it.
+
+use std::sync::Arc;
+
+use lapwing_genom::model::{Basic, Field, Label, Model, Step, Type, TypeDef, TypeDefKind, TypeId, Value as Default};
+use lapwing_stream as stream;
+use lapwing_stream::Name;
+
+use crate::datum::Datum;
+
+/// Types inside types beyond this depth are not looked into.
+const MOST_DEPTH: usize = 64;
+
+/// A value of a fixed size has no more parts than this.
+pub const MOST_PARTS: u64 = 1 << 20;
+
+/// The types that have names.
+#[derive(Clone, Debug, Default)]
+pub struct Types {
+    defs: Arc<[TypeDef]>,
+}
+
+/// What a type comes to once its names are followed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Shape<'t> {
+    Bool,
+    /// Between these, ends included.
+    Int(i128, i128),
+    Float,
+    Text(Option<u64>),
+    Sequence(&'t Type, Option<u64>),
+    Array(&'t Type, u64),
+    Optional(&'t Type),
+    Struct(&'t [Field]),
+    Union(&'t [(Vec<Label>, Field)]),
+    Enum(&'t [String]),
+    Native,
+    /// What cannot be a value here, in words.
+    Other(&'static str),
+}
+
+/// What a type comes to, for who carries values elsewhere.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Layout {
+    /// A number, a truth value or a character.
+    Basic(Basic),
+    /// A text, of a greatest length.
+    Text(Option<u64>),
+    /// One of so many names.
+    Enum(usize),
+    /// So many elements.
+    Array(Type, u64),
+    /// Any number of elements, up to a greatest one.
+    Sequence(Type, Option<u64>),
+    /// Members.
+    Struct(Vec<Type>),
+    /// A value that may be missing.
+    Optional(Type),
+    /// For each member, the values that tell that it is there, none for all others, and its type.
+    Union(Vec<(Vec<i128>, Type)>),
+    /// What only codels know.
+    Native,
+    /// What has no values, in words.
+    Other(&'static str),
+}
+
+impl Types {
+    /// What a type comes to.
+    pub fn layout(&self, ty: &Type) -> Layout {
+        let mut bottom = ty;
+        for _ in 0..MOST_DEPTH {
+            match bottom {
+                Type::Basic(basic) => return Layout::Basic(*basic),
+                Type::Named(id) => match self.def(*id).map(|d| &d.kind) {
+                    Some(TypeDefKind::Alias(inner)) => bottom = inner,
+                    Some(TypeDefKind::Union(on, cases)) => return Layout::Union(self.cases(on, cases)),
+                    _ => break,
+                },
+                _ => break,
+            }
+        }
+        match self.shape(bottom) {
+            Shape::Text(most) => Layout::Text(most),
+            Shape::Enum(names) => Layout::Enum(names.len()),
+            Shape::Array(inner, length) => Layout::Array(inner.clone(), length),
+            Shape::Sequence(inner, most) => Layout::Sequence(inner.clone(), most),
+            Shape::Struct(fields) => Layout::Struct(fields.iter().map(|f| f.ty.clone()).collect()),
+            Shape::Optional(inner) => Layout::Optional(inner.clone()),
+            Shape::Native => Layout::Native,
+            // A number with a fixed point is kept as a double.
+            Shape::Float => Layout::Basic(Basic::Double),
+            Shape::Other(what) => Layout::Other(what),
+            Shape::Bool | Shape::Int(..) | Shape::Union(_) => Layout::Other("a type that is defined by itself"),
+        }
+    }
+
+    fn cases(&self, on: &Type, cases: &[(Vec<Label>, Field)]) -> Vec<(Vec<i128>, Type)> {
+        let number = |label: &Label| match (label, self.shape(on)) {
+            (Label::Int(value), _) => Some(*value),
+            (Label::Name(name), Shape::Enum(names)) => names.iter().position(|n| n == name).map(|n| n as i128),
+            _ => None,
+        };
+        let one =
+            |(labels, field): &(Vec<Label>, Field)| (labels.iter().filter_map(number).collect(), field.ty.clone());
+        cases.iter().map(one).collect()
+    }
+
+    /// The member of a union by its name: a value that tells that it is there, its number, and its type.
+    pub(crate) fn case(&self, ty: &Type, name: &str) -> Result<(i128, usize, Type), String> {
+        let Layout::Union(cases) = self.layout(ty) else { return Err("it is no union".to_owned()) };
+        let Shape::Union(fields) = self.shape(ty) else { return Err("it is no union".to_owned()) };
+        let number = fields.iter().position(|(_, field)| field.name == name).ok_or_else(|| {
+            let names: Vec<&str> = fields.iter().map(|(_, field)| field.name.as_str()).collect();
+            format!("there is no `{name}` in it; there are {}", names.join(", "))
+        })?;
+        let (tags, inner) = cases.get(number).cloned().ok_or("it is no union")?;
+        // The member for all other values is told by the least value that no other member has.
+        let is_taken = |tag: &i128| cases.iter().any(|(tags, _)| tags.contains(tag));
+        let tag = tags.first().copied().or_else(|| (0..=MOST_PARTS.into()).find(|tag| !is_taken(tag)));
+        Ok((tag.unwrap_or(0), number, inner))
+    }
+
+    /// Those of a model.
+    pub fn new(model: &Model) -> Types {
+        Types { defs: model.types.clone().into() }
+    }
+
+    pub(crate) fn shape<'t>(&'t self, ty: &'t Type) -> Shape<'t> {
+        let mut ty = ty;
+        for _ in 0..MOST_DEPTH {
+            return match ty {
+                Type::Basic(basic) => of_basic(*basic),
+                Type::Text(most) => Shape::Text(*most),
+                Type::Sequence(inner, most) => Shape::Sequence(inner, *most),
+                Type::Array(inner, length) => Shape::Array(inner, *length),
+                Type::Optional(inner) => Shape::Optional(inner),
+                Type::Fixed(_) => Shape::Float,
+                Type::Named(id) => match self.defs.get(id.0).map(|d| &d.kind) {
+                    Some(TypeDefKind::Alias(inner)) => {
+                        ty = inner;
+                        continue;
+                    }
+                    Some(TypeDefKind::Struct(fields) | TypeDefKind::Exception(fields)) => Shape::Struct(fields),
+                    Some(TypeDefKind::Union(_, cases)) => Shape::Union(cases),
+                    Some(TypeDefKind::Enum(names)) => Shape::Enum(names),
+                    Some(TypeDefKind::Native) => Shape::Native,
+                    Some(TypeDefKind::Forward) | None => Shape::Other("a type that is nowhere defined"),
+                },
+            };
+        }
+        Shape::Other("a type that is defined by itself")
+    }
+
+    /// The type by that number, where there is one.
+    pub fn def(&self, id: TypeId) -> Option<&TypeDef> {
+        self.defs.get(id.0)
+    }
+
+    /// Of how many parts a first value consists; a sequence is empty at first.
+    pub(crate) fn parts(&self, ty: &Type) -> u64 {
+        self.parts_below(ty, 0)
+    }
+
+    fn parts_below(&self, ty: &Type, depth: usize) -> u64 {
+        if depth > MOST_DEPTH {
+            return u64::MAX;
+        }
+        match self.shape(ty) {
+            Shape::Array(inner, length) => length.saturating_mul(self.parts_below(inner, depth + 1)).saturating_add(1),
+            Shape::Struct(fields) => {
+                fields.iter().fold(1, |sum: u64, field| sum.saturating_add(self.parts_below(&field.ty, depth + 1)))
+            }
+            _ => 1,
+        }
+    }
+
+    /// The first value of a type: zeros, empty texts and sequences, nothing. Call it only where [`Types::parts`] is within [`MOST_PARTS`].
+    pub fn initial(&self, ty: &Type) -> Datum {
+        match self.shape(ty) {
+            Shape::Bool => Datum::Bool(false),
+            Shape::Int(..) | Shape::Enum(_) => Datum::Int(0),
+            Shape::Float => Datum::Float(0.0),
+            Shape::Text(_) => Datum::Text(String::new()),
+            Shape::Sequence(..) => Datum::List(Vec::new()),
+            Shape::Array(inner, length) => {
+                let one = self.initial(inner);
+                Datum::List(vec![one; usize::try_from(length.min(MOST_PARTS)).unwrap_or(0)])
+            }
+            Shape::Optional(_) => Datum::Optional(None),
+            Shape::Struct(fields) => Datum::Struct(fields.iter().map(|field| self.initial(&field.ty)).collect()),
+            Shape::Union(cases) => {
+                let first = cases.first().map(|(labels, field)| (label(labels), field));
+                match first {
+                    Some((label, field)) => Datum::Union(label, Some((0, Box::new(self.initial(&field.ty))))),
+                    None => Datum::Union(0, None),
+                }
+            }
+            Shape::Native | Shape::Other(_) => Datum::Native(0),
+        }
+    }
+
+    /// Where steps lead in a value of a type: the numbers of members and elements, and the type there.
+    ///
+    /// # Errors
+    ///
+    /// What is not there, in words.
+    pub(crate) fn way(&self, ty: &Type, steps: &[Step]) -> Result<(Vec<usize>, Type), String> {
+        let (mut ty, mut way) = (ty.clone(), Vec::new());
+        for step in steps {
+            let (number, next) = match (step, self.shape(&ty)) {
+                (Step::Member(name), Shape::Struct(fields)) => {
+                    let found = fields.iter().enumerate().find(|(_, field)| field.name == *name);
+                    let (number, field) = found.ok_or_else(|| {
+                        let names: Vec<&str> = fields.iter().map(|field| field.name.as_str()).collect();
+                        format!("there is no `{name}` in it; there are {}", names.join(", "))
+                    })?;
+                    (number, field.ty.clone())
+                }
+                (Step::Element(number), Shape::Array(inner, _) | Shape::Sequence(inner, _)) => {
+                    (usize::try_from(*number).unwrap_or(usize::MAX), inner.clone())
+                }
+                (Step::Member(name), _) => return Err(format!("what is there has no members, and so no `{name}`")),
+                (Step::Element(_), _) => return Err("what is there has no elements".to_owned()),
+            };
+            way.push(number);
+            ty = next;
+        }
+        Ok((way, ty))
+    }
+
+    /// A value as one of a type, where it fits: a whole number is a number, too, and a text may name an enumerator.
+    ///
+    /// # Errors
+    ///
+    /// Why it does not fit, in words.
+    pub fn fit(&self, ty: &Type, datum: Datum) -> Result<Datum, String> {
+        match (self.shape(ty), datum) {
+            (Shape::Bool, Datum::Bool(b)) => Ok(Datum::Bool(b)),
+            (Shape::Int(low, high), Datum::Int(i)) if (low..=high).contains(&i) => Ok(Datum::Int(i)),
+            (Shape::Int(low, high), Datum::Int(i)) => Err(format!("{i} is not between {low} and {high}")),
+            (Shape::Int(low, high), Datum::Float(x)) if x.fract() == 0.0 && x.abs() < 2_f64.powi(53) => {
+                self.fit_int(x as i128, low, high)
+            }
+            (Shape::Float, Datum::Int(i)) => Ok(Datum::Float(i as f64)),
+            (Shape::Float, Datum::Float(x)) => Ok(Datum::Float(x)),
+            (Shape::Text(most), Datum::Text(text)) => match most {
+                Some(most) if text.len() as u64 > most => Err(format!("the text is longer than {most} bytes")),
+                _ => Ok(Datum::Text(text)),
+            },
+            (Shape::Enum(names), Datum::Text(name)) => {
+                let number = names.iter().position(|n| *n == name);
+                number.map(|n| Datum::Int(n as i128)).ok_or_else(|| format!("`{name}` is none of {}", names.join(", ")))
+            }
+            (Shape::Enum(names), Datum::Int(i)) => match usize::try_from(i).ok().filter(|i| *i < names.len()) {
+                Some(_) => Ok(Datum::Int(i)),
+                None => Err(format!("there are {} values, and none with the number {i}", names.len())),
+            },
+            (Shape::Sequence(inner, most), Datum::List(items)) => {
+                if most.is_some_and(|most| items.len() as u64 > most) {
+                    return Err(format!("{} elements are more than the sequence may have", items.len()));
+                }
+                Ok(Datum::List(items.into_iter().map(|item| self.fit(inner, item)).collect::<Result<_, _>>()?))
+            }
+            (Shape::Array(inner, length), Datum::List(items)) => {
+                if items.len() as u64 != length {
+                    return Err(format!("there are {} elements where the array has {length}", items.len()));
+                }
+                Ok(Datum::List(items.into_iter().map(|item| self.fit(inner, item)).collect::<Result<_, _>>()?))
+            }
+            (Shape::Struct(fields), Datum::Struct(parts)) if parts.len() == fields.len() => {
+                let fitted = fields.iter().zip(parts).map(|(field, part)| self.fit(&field.ty, part));
+                Ok(Datum::Struct(fitted.collect::<Result<_, _>>()?))
+            }
+            (Shape::Optional(_), Datum::Optional(None)) => Ok(Datum::Optional(None)),
+            (Shape::Optional(inner), Datum::Optional(Some(value))) => {
+                Ok(Datum::Optional(Some(Box::new(self.fit(inner, *value)?))))
+            }
+            (Shape::Optional(inner), value) => Ok(Datum::Optional(Some(Box::new(self.fit(inner, value)?)))),
+            (Shape::Union(..), value @ Datum::Union(..)) | (Shape::Native, value @ Datum::Native(_)) => Ok(value),
+            (shape, _) => Err(format!("{} is wanted", words(shape))),
+        }
+    }
+
+    fn fit_int(&self, value: i128, low: i128, high: i128) -> Result<Datum, String> {
+        match (low..=high).contains(&value) {
+            true => Ok(Datum::Int(value)),
+            false => Err(format!("{value} is not between {low} and {high}")),
+        }
+    }
+
+    /// A default of a specification as a value of a type; what it leaves out is as at first.
+    pub(crate) fn default(&self, ty: &Type, default: &Default) -> Datum {
+        let plain = |datum: Datum| self.fit(ty, datum).unwrap_or_else(|_| self.initial(ty));
+        match default {
+            Default::Int(i) if matches!(self.shape(ty), Shape::Bool) => Datum::Bool(*i != 0),
+            Default::Int(i) => plain(Datum::Int(*i)),
+            Default::Float(x) => plain(Datum::Float(*x)),
+            Default::Bool(b) => plain(Datum::Bool(*b)),
+            Default::Text(text) | Default::Name(text) => plain(Datum::Text(text.clone())),
+            Default::Parts(parts) => {
+                let mut whole = self.initial(ty);
+                for (step, value) in parts {
+                    if let (Step::Element(n), Shape::Sequence(inner, _), Datum::List(items)) =
+                        (step, self.shape(ty), &mut whole)
+                    {
+                        let wanted = usize::try_from(*n).unwrap_or(usize::MAX).saturating_add(1);
+                        if wanted as u64 <= MOST_PARTS && items.len() < wanted {
+                            items.resize(wanted, self.initial(inner));
+                        }
+                    }
+                    let Ok((way, inner)) = self.way(ty, std::slice::from_ref(step)) else { continue };
+                    if let Some(place) = whole.part_mut(&way) {
+                        *place = self.default(&inner, value);
+                    }
+                }
+                whole
+            }
+        }
+    }
+
+    /// The type of messages as monitors know types.
+    pub(crate) fn stream_type(&self, ty: &Type) -> stream::Type {
+        self.stream_type_below(ty, 0)
+    }
+
+    fn stream_type_below(&self, ty: &Type, depth: usize) -> stream::Type {
+        if depth > MOST_DEPTH {
+            return stream::Type::Any;
+        }
+        match self.shape(ty) {
+            Shape::Bool => stream::Type::Bool,
+            Shape::Int(..) | Shape::Native => stream::Type::Num { float: false },
+            Shape::Float => stream::Type::Num { float: true },
+            Shape::Text(_) | Shape::Enum(_) => stream::Type::Str,
+            Shape::Array(inner, _) | Shape::Sequence(inner, _) => {
+                stream::Type::Array(Box::new(self.stream_type_below(inner, depth + 1)))
+            }
+            Shape::Optional(inner) => self.stream_type_below(inner, depth + 1),
+            Shape::Struct(fields) => {
+                let one = |field: &Field| stream::Field {
+                    name: field.name.as_str().into(),
+                    ty: self.stream_type_below(&field.ty, depth + 1),
+                };
+                let name = self.type_name(ty);
+                let fields = fields.iter().map(one).collect();
+                stream::Type::Message(Arc::new(stream::Schema { name, fields, constants: Vec::new() }))
+            }
+            Shape::Union(..) | Shape::Other(_) => stream::Type::Any,
+        }
+    }
+
+    /// What messages of a type are called: `nav/scan`.
+    pub(crate) fn type_name(&self, ty: &Type) -> String {
+        match ty {
+            Type::Named(id) => self.def(*id).map_or_else(String::new, |def| def.path.join("/")),
+            _ => "value".to_owned(),
+        }
+    }
+
+    /// A value as monitors and recordings have it: enumerators by their names, a union as the member that is there.
+    pub fn to_value(&self, ty: &Type, datum: &Datum) -> stream::Value {
+        use stream::Value;
+        match (self.shape(ty), datum) {
+            (Shape::Enum(names), Datum::Int(i)) => {
+                let name = usize::try_from(*i).ok().and_then(|i| names.get(i));
+                name.map_or(Value::Num(*i as f64), |name| Value::Str(name.clone()))
+            }
+            (_, Datum::Bool(b)) => Value::Bool(*b),
+            (_, Datum::Int(i)) => Value::Num(*i as f64),
+            (_, Datum::Float(x)) => Value::Num(*x),
+            (_, Datum::Text(text)) => Value::Str(text.clone()),
+            (Shape::Array(inner, _) | Shape::Sequence(inner, _), Datum::List(items)) => self.to_list(inner, items),
+            (Shape::Struct(fields), Datum::Struct(parts)) => {
+                let named = fields.iter().zip(parts);
+                Value::Record(
+                    named.map(|(f, part)| (Name::from(f.name.as_str()), self.to_value(&f.ty, part))).collect(),
+                )
+            }
+            (Shape::Union(cases), Datum::Union(_, Some((number, value)))) => match cases.get(*number) {
+                Some((_, field)) => Value::Record(vec![(field.name.as_str().into(), self.to_value(&field.ty, value))]),
+                None => Value::Missing,
+            },
+            (Shape::Optional(inner), Datum::Optional(Some(value))) => self.to_value(inner, value),
+            _ => Value::Missing,
+        }
+    }
+
+    fn to_list(&self, inner: &Type, items: &[Datum]) -> stream::Value {
+        let numbers: Option<Vec<f64>> = match self.shape(inner) {
+            Shape::Int(..) | Shape::Float => items.iter().map(Datum::number).collect(),
+            _ => None,
+        };
+        match numbers {
+            Some(numbers) => stream::Value::Nums(numbers),
+            None => stream::Value::List(items.iter().map(|item| self.to_value(inner, item)).collect()),
+        }
+    }
+}
+
+/// A value for which a union has the member with these labels.
+fn label(labels: &[Label]) -> i128 {
+    let number = labels.iter().find_map(|label| match label {
+        Label::Int(value) => Some(*value),
+        _ => None,
+    });
+    number.unwrap_or(0)
+}
+
+fn of_basic(basic: Basic) -> Shape<'static> {
+    let signed = |bits: u32| Shape::Int(-(1_i128 << (bits - 1)), (1_i128 << (bits - 1)) - 1);
+    let unsigned = |bits: u32| Shape::Int(0, (1_i128 << bits) - 1);
+    match basic {
+        Basic::Boolean => Shape::Bool,
+        Basic::Short => signed(16),
+        Basic::UnsignedShort => unsigned(16),
+        Basic::Long | Basic::WideChar => signed(32),
+        Basic::UnsignedLong => unsigned(32),
+        Basic::LongLong => signed(64),
+        Basic::UnsignedLongLong => unsigned(64),
+        Basic::Float | Basic::Double => Shape::Float,
+        Basic::Char => Shape::Int(-128, 255),
+        Basic::Octet => unsigned(8),
+        Basic::Any => Shape::Other("a value of any type"),
+    }
+}
+
+fn words(shape: Shape<'_>) -> String {
+    match shape {
+        Shape::Bool => "true or false".to_owned(),
+        Shape::Int(..) => "a whole number".to_owned(),
+        Shape::Float => "a number".to_owned(),
+        Shape::Text(_) => "a text".to_owned(),
+        Shape::Sequence(..) | Shape::Array(..) => "a list `[…]`".to_owned(),
+        Shape::Optional(_) => "a value".to_owned(),
+        Shape::Struct(_) => "a structure `{member=…}`".to_owned(),
+        Shape::Union(..) => "a member of a union `{member=…}`".to_owned(),
+        Shape::Enum(names) => format!("one of {}", names.join(", ")),
+        Shape::Native => "what only codels know, and cannot be written here,".to_owned(),
+        Shape::Other(what) => what.to_owned(),
+    }
+}

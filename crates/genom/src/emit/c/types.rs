@@ -1,0 +1,323 @@
+//! Types as C has them, under GenoM3's names: `nav::scan` is `nav_scan`.
+
+use std::collections::BTreeSet;
+
+use super::NotInC;
+use crate::model::{
+    Basic, Codel, CodelParameter, Component, Direction, Field, Label, Model, Object, Owner, Step, Type, TypeDef,
+    TypeDefKind, TypeId,
+};
+
+/// Types inside types no deeper than this.
+const MOST_DEPTH: usize = 64;
+
+/// The names of a model's types.
+pub(super) struct Names<'m> {
+    pub model: &'m Model,
+}
+
+/// How C passes something on.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Passing {
+    /// As it is.
+    Value,
+    /// By its address.
+    Address,
+    /// It is an address already: an array, a text of a greatest length.
+    Array,
+    /// A text without one.
+    Text,
+    /// Something that only codels know.
+    Native,
+}
+
+impl Names<'_> {
+    /// Declarations of all types, each after those that it contains.
+    pub(super) fn all(&self) -> Result<String, NotInC> {
+        let mut out = String::new();
+        for def in &self.model.types {
+            match &def.kind {
+                TypeDefKind::Struct(_) | TypeDefKind::Forward => out += &forward("struct", def),
+                TypeDefKind::Union(..) => out += &forward("struct", def),
+                TypeDefKind::Native => out += &forward("struct", def),
+                _ => {}
+            }
+        }
+        let mut writer = Writer { names: self, done: BTreeSet::new(), anonymous: BTreeSet::new(), out };
+        for number in 0..self.model.types.len() {
+            writer.named(TypeId(number), 0)?;
+        }
+        Ok(writer.out)
+    }
+
+    pub(super) fn def(&self, id: TypeId) -> Option<&TypeDef> {
+        self.model.types.get(id.0)
+    }
+
+    /// A type with its other names followed.
+    pub(super) fn shape<'t>(&'t self, ty: &'t Type) -> &'t Type {
+        let mut ty = ty;
+        for _ in 0..MOST_DEPTH {
+            match ty {
+                Type::Named(id) => match self.def(*id).map(|d| &d.kind) {
+                    Some(TypeDefKind::Alias(inner)) => ty = inner,
+                    _ => return ty,
+                },
+                _ => return ty,
+            }
+        }
+        ty
+    }
+
+    /// The fields of a structure.
+    pub(super) fn fields(&self, ty: &Type) -> Option<&[Field]> {
+        match self.shape(ty) {
+            Type::Named(id) => match self.def(*id).map(|d| &d.kind) {
+                Some(TypeDefKind::Struct(fields)) => Some(fields),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// The type of what a codel is given.
+    pub(super) fn of(&self, component: &Component, codel: &Codel, parameter: &CodelParameter) -> Result<Type, NotInC> {
+        let lost = || NotInC(format!("the type of `{}` of `{}` is not known", parameter.name, codel.function));
+        let (whole, steps) = match &parameter.object {
+            Object::Ids(steps) => (component.ids.map(Type::Named), steps),
+            Object::Local(name, steps) => {
+                let service = match codel.owner {
+                    Owner::Service(service) => component.services.get(service.0),
+                    Owner::Task(_) => None,
+                };
+                let parameter = service.and_then(|s| s.parameters.iter().find(|p| p.name == *name));
+                let local = service.and_then(|s| s.locals.iter().find(|l| l.name == *name));
+                (parameter.and_then(|p| p.ty.clone()).or(local.map(|l| l.ty.clone())), steps)
+            }
+            Object::Port(port) => return component.ports.get(port.0).map(|p| p.ty.clone()).ok_or_else(lost),
+            Object::Remote(_) | Object::Unknown => return Err(lost()),
+        };
+        let mut ty = whole.ok_or_else(lost)?;
+        for step in steps {
+            ty = match (step, self.shape(&ty)) {
+                (Step::Member(name), _) => {
+                    let fields = self.fields(&ty).ok_or_else(lost)?;
+                    fields.iter().find(|f| f.name == *name).map(|f| f.ty.clone()).ok_or_else(lost)?
+                }
+                (Step::Element(_), Type::Array(inner, _) | Type::Sequence(inner, _)) => (**inner).clone(),
+                _ => return Err(lost()),
+            };
+        }
+        Ok(ty)
+    }
+
+    pub(super) fn passing(&self, ty: &Type) -> Passing {
+        match self.shape(ty) {
+            Type::Basic(_) | Type::Fixed(_) => Passing::Value,
+            Type::Text(None) => Passing::Text,
+            Type::Text(Some(_)) | Type::Array(..) => Passing::Array,
+            Type::Sequence(..) | Type::Optional(_) => Passing::Address,
+            Type::Named(id) => match self.def(*id).map(|d| &d.kind) {
+                Some(TypeDefKind::Enum(_)) => Passing::Value,
+                Some(TypeDefKind::Native) => Passing::Native,
+                _ => Passing::Address,
+            },
+        }
+    }
+
+    /// A parameter of a function: `in` is a value, or an address of what must not be changed; the others are addresses.
+    pub(super) fn parameter(&self, ty: &Type, name: &str, direction: Direction) -> Result<String, NotInC> {
+        let is_in = direction == Direction::In;
+        Ok(match self.passing(ty) {
+            Passing::Value if is_in => self.declare(ty, name)?,
+            Passing::Array if is_in => format!("const {}", self.declare(ty, name)?),
+            Passing::Text if is_in => format!("const char *{name}"),
+            Passing::Native if is_in => format!("const {} *{name}", self.base(ty)?),
+            Passing::Address if is_in => format!("const {}", self.declare(ty, &format!("*{name}"))?),
+            Passing::Array => self.declare(ty, name)?,
+            Passing::Text => format!("char **{name}"),
+            Passing::Native => format!("{} **{name}", self.base(ty)?),
+            Passing::Value | Passing::Address => self.declare(ty, &format!("*{name}"))?,
+        })
+    }
+
+    /// A declaration of something of a type.
+    pub(super) fn declare(&self, ty: &Type, name: &str) -> Result<String, NotInC> {
+        Ok(match ty {
+            Type::Array(inner, length) => self.declare(inner, &format!("{name}[{length}]"))?,
+            // One more for the end of the text.
+            Type::Text(Some(most)) => format!("char {name}[{}]", most.saturating_add(1)),
+            Type::Text(None) => format!("char *{name}"),
+            Type::Named(id) if matches!(self.def(*id).map(|d| &d.kind), Some(TypeDefKind::Native)) => {
+                format!("{} *{name}", self.base(ty)?)
+            }
+            _ => format!("{} {name}", self.base(ty)?),
+        })
+    }
+
+    /// The type of an address of it, for what a port returns.
+    pub(super) fn pointer(&self, ty: &Type) -> Result<String, NotInC> {
+        match self.shape(ty) {
+            Type::Array(..) | Type::Text(_) => Err(NotInC(
+                "a port of an array or a text cannot be given to C codels: put it into a structure".to_owned(),
+            )),
+            _ => Ok(format!("{} *", self.base(ty)?)),
+        }
+    }
+
+    /// The name of a type.
+    pub(super) fn base(&self, ty: &Type) -> Result<String, NotInC> {
+        Ok(match ty {
+            Type::Basic(basic) => match basic {
+                Basic::Boolean => "bool",
+                Basic::Short => "int16_t",
+                Basic::UnsignedShort => "uint16_t",
+                Basic::Long => "int32_t",
+                Basic::UnsignedLong => "uint32_t",
+                Basic::LongLong => "int64_t",
+                Basic::UnsignedLongLong => "uint64_t",
+                Basic::Float => "float",
+                Basic::Double => "double",
+                Basic::Char => "char",
+                Basic::WideChar => "int32_t",
+                Basic::Octet => "uint8_t",
+                Basic::Any => return Err(NotInC("a value of the type `any` cannot be given to C codels".to_owned())),
+            }
+            .to_owned(),
+            Type::Fixed(_) => "double".to_owned(),
+            Type::Text(None) => "char *".to_owned(),
+            Type::Named(id) => self.def(*id).map(|d| d.path.join("_")).unwrap_or_default(),
+            Type::Sequence(inner, most) => {
+                let most = most.map(|m| format!("{m}_")).unwrap_or_default();
+                format!("genom_sequence_{most}{}", self.key(inner)?)
+            }
+            Type::Optional(inner) => format!("genom_optional_{}", self.key(inner)?),
+            Type::Array(..) | Type::Text(Some(_)) => {
+                return Err(NotInC(
+                    "an array stands where C needs a name for its type: give it one by `typedef`".to_owned(),
+                ));
+            }
+        })
+    }
+
+    /// A type as a part of a name.
+    fn key(&self, ty: &Type) -> Result<String, NotInC> {
+        Ok(match ty {
+            Type::Text(None) => "string".to_owned(),
+            Type::Text(Some(most)) => format!("string{most}"),
+            Type::Array(inner, length) => format!("array{length}_{}", self.key(inner)?),
+            _ => self.base(ty)?.replace([' ', '*'], ""),
+        })
+    }
+}
+
+fn forward(what: &str, def: &TypeDef) -> String {
+    let name = def.path.join("_");
+    format!("typedef {what} {name} {name};\n")
+}
+
+struct Writer<'w, 'm> {
+    names: &'w Names<'m>,
+    done: BTreeSet<TypeId>,
+    anonymous: BTreeSet<String>,
+    out: String,
+}
+
+impl Writer<'_, '_> {
+    /// Declares a type, after what it contains.
+    fn named(&mut self, id: TypeId, depth: usize) -> Result<(), NotInC> {
+        if depth > MOST_DEPTH || !self.done.insert(id) {
+            return Ok(());
+        }
+        let Some(def) = self.names.def(id).cloned() else { return Ok(()) };
+        let name = def.path.join("_");
+        match &def.kind {
+            TypeDefKind::Struct(fields) => {
+                let body = self.members(fields, depth, "  ")?;
+                self.out += &format!("struct {name} {{\n{body}}};\n");
+            }
+            TypeDefKind::Exception(fields) if !fields.is_empty() => {
+                let body = self.members(fields, depth, "  ")?;
+                self.out += &format!("typedef struct {name}_detail {{\n{body}}} {name}_detail;\n");
+            }
+            TypeDefKind::Union(on, cases) => {
+                self.need(on, depth)?;
+                let on = self.names.declare(on, "_d")?;
+                let fields: Vec<Field> = cases.iter().map(|(_, field)| field.clone()).collect();
+                let body = self.members(&fields, depth, "    ")?;
+                self.out += &format!("struct {name} {{\n  {on};\n  union {{\n{body}  }} _u;\n}};\n");
+            }
+            TypeDefKind::Enum(values) => {
+                let scope = def.path.split_last().map_or(&[][..], |(_, scope)| scope);
+                let prefix: String = scope.iter().map(|s| format!("{s}_")).collect();
+                let values: Vec<String> = values.iter().map(|v| format!("{prefix}{v}")).collect();
+                self.out += &format!("typedef enum {name} {{ {} }} {name};\n", values.join(", "));
+            }
+            TypeDefKind::Alias(inner) => {
+                self.need(inner, depth)?;
+                let declared = self.names.declare(inner, &name)?;
+                self.out += &format!("typedef {declared};\n");
+            }
+            TypeDefKind::Exception(_) | TypeDefKind::Native | TypeDefKind::Forward => {}
+        }
+        Ok(())
+    }
+
+    fn members(&mut self, fields: &[Field], depth: usize, margin: &str) -> Result<String, NotInC> {
+        let mut body = String::new();
+        for field in fields {
+            self.need(&field.ty, depth)?;
+            body += &format!("{margin}{};\n", self.names.declare(&field.ty, &field.name)?);
+        }
+        if fields.is_empty() {
+            body = format!("{margin}char _empty;\n");
+        }
+        Ok(body)
+    }
+
+    /// What stands inside another type must be declared before it.
+    fn need(&mut self, ty: &Type, depth: usize) -> Result<(), NotInC> {
+        match ty {
+            Type::Named(id) => self.named(*id, depth + 1),
+            Type::Array(inner, _) => self.need(inner, depth + 1),
+            Type::Sequence(inner, most) => {
+                let is_struct = self.names.fields(inner).is_some();
+                // Where only an address is kept, that the structure exists is enough, and it may be the one that is being declared.
+                if !(is_struct && most.is_none() && matches!(inner.as_ref(), Type::Named(_))) {
+                    self.need(inner, depth + 1)?;
+                }
+                let name = self.names.base(ty)?;
+                if self.anonymous.insert(name.clone()) {
+                    let buffer = match most {
+                        Some(most) => self.names.declare(inner, &format!("_buffer[{most}]"))?,
+                        None => self.names.declare(inner, "*_buffer")?,
+                    };
+                    self.out += &format!(
+                        "typedef struct {name} {{ uint32_t _maximum; uint32_t _length; {buffer}; }} {name};\n"
+                    );
+                }
+                Ok(())
+            }
+            Type::Optional(inner) => {
+                self.need(inner, depth + 1)?;
+                let name = self.names.base(ty)?;
+                if self.anonymous.insert(name.clone()) {
+                    let value = self.names.declare(inner, "_value")?;
+                    self.out += &format!("typedef struct {name} {{ bool _present; {value}; }} {name};\n");
+                }
+                Ok(())
+            }
+            Type::Basic(_) | Type::Text(_) | Type::Fixed(_) => Ok(()),
+        }
+    }
+}
+
+/// The labels of a case, as C writes them; none for all others.
+pub(super) fn labels(labels: &[Label], enumerators: &str) -> Vec<String> {
+    let text = |label: &Label| match label {
+        Label::Int(value) => Some(value.to_string()),
+        Label::Name(name) => Some(format!("{enumerators}{name}")),
+        Label::Default => None,
+    };
+    labels.iter().filter_map(text).collect()
+}
