@@ -126,7 +126,7 @@ impl Border for Process {
         frame.extend(number.to_ne_bytes());
         frame.extend(codel.to_ne_bytes());
         frame.extend(call);
-        if !write_frame(&mut *lock(&self.to), &frame) {
+        if !write_frame(&mut lock(&self.to), &frame) {
             return Err(self.crashed());
         }
         match heard.recv_timeout(self.patience) {

@@ -315,7 +315,7 @@ mod tests {
         };
         assert_eq!(one, two);
         let Held::Port { written, .. } = &after.arguments[1].value else { panic!() };
-        assert_eq!(written, &[one.clone()]);
+        assert_eq!(written.as_slice(), std::slice::from_ref(one));
     }
 
     #[test]

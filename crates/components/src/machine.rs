@@ -63,6 +63,8 @@ pub(crate) struct Machine {
     /// By automaton and edge: the variables that it may write.
     writes: Arc<[Vec<Vec<VarId>>]>,
     values: Vec<i64>,
+    /// What variables were before a move.
+    before: Vec<i64>,
     at: Vec<LocId>,
     since: Vec<Time>,
     /// The number of each automaton's present stay.
@@ -102,6 +104,7 @@ impl Machine {
             readers: readers.into_iter().map(|r| r.into_iter().collect()).collect(),
             writes: automata.iter().map(|a| a.edges.iter().map(writes).collect()).collect(),
             values: system.variables.iter().map(|v| v.initial).collect(),
+            before: Vec::new(),
             at: vec![LocId(0); automata.len()],
             since: vec![Time(0); automata.len()],
             stay: vec![0; automata.len()],
@@ -251,16 +254,20 @@ impl Machine {
         let Some(edge) = here.automata.get(automaton).and_then(|a| a.edges.get(number)) else { return Vec::new() };
         let writes = self.writes.clone();
         let written = writes.get(automaton).and_then(|w| w.get(number)).map_or(&[][..], Vec::as_slice);
-        let before: Vec<i64> = written.iter().map(|var| self.value(*var)).collect();
+        // PERF: the same list for every move (`examples/rate.rs`).
+        let mut before = std::mem::take(&mut self.before);
+        before.clear();
+        before.extend(written.iter().map(|var| self.value(*var)));
         edge.actions.iter().for_each(|action| action.apply(&mut self.values));
         let mut changes = Vec::new();
-        for (var, before) in written.iter().zip(before) {
+        for (var, before) in written.iter().zip(&before) {
             let after = self.value(*var);
-            if after != before {
-                changes.push(Change { var: *var, before, after });
+            if after != *before {
+                changes.push(Change { var: *var, before: *before, after });
                 self.disturb(*var);
             }
         }
+        self.before = before;
         if edge.resets
             && let Some(since) = self.since.get_mut(automaton)
         {

@@ -69,6 +69,8 @@ pub struct Signals {
     ports: BTreeMap<(usize, usize), usize>,
     services: BTreeMap<(Whose, Phase), usize>,
     faults: BTreeMap<(usize, Fault), usize>,
+    /// By topic: whether anybody wants to know what its messages say, and not only when they come.
+    wanted: Vec<bool>,
     /// How many instances of each activity run.
     running: BTreeMap<Whose, u64>,
 }
@@ -83,6 +85,7 @@ impl Signals {
             ports: BTreeMap::new(),
             services: BTreeMap::new(),
             faults: BTreeMap::new(),
+            wanted: Vec::new(),
             running: BTreeMap::new(),
         };
         let names = Type::Array(Box::new(Type::Str));
@@ -103,6 +106,7 @@ impl Signals {
 
     fn add(&mut self, name: String, type_name: &str, fields: Vec<Field>) -> usize {
         let schema = Schema { name: type_name.to_owned(), fields, constants: Vec::new() };
+        self.wanted.push(true);
         self.topics.push(Topic { name, schema: Arc::new(schema) });
         self.topics.len() - 1
     }
@@ -158,6 +162,15 @@ impl Signals {
             let topic = self.add(format!("/{}/{}/{word}", component.name, service.name), &type_name, fields);
             self.services.insert((whose, phase), topic);
         }
+    }
+
+    /// Of topics that are not among these, messages say nothing from now on.
+    pub(crate) fn want_only(&mut self, wanted: impl Fn(usize) -> bool) {
+        self.wanted.iter_mut().enumerate().for_each(|(topic, is_wanted)| *is_wanted = wanted(topic));
+    }
+
+    fn is_wanted(&self, topic: usize) -> bool {
+        self.wanted.get(topic).copied().unwrap_or(true)
     }
 
     /// All topics.
@@ -267,6 +280,9 @@ impl Signals {
 
     fn port(&self, component: usize, port: usize, name: Option<&str>, value: &Datum) -> Vec<Message> {
         let Some(topic) = self.ports.get(&(component, port)).copied() else { return Vec::new() };
+        if !self.is_wanted(topic) {
+            return vec![Message { topic, value: Value::Missing }];
+        }
         let declared = self.model.components.get(component).and_then(|c| c.ports.get(port));
         let Some(declared) = declared else { return Vec::new() };
         let value = self.types.to_value(&declared.ty, value);

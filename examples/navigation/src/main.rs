@@ -45,6 +45,10 @@ fn main() -> ExitCode {
             Mission { wcet: slow, is_real: true, seconds: 2.0, ..plain },
         ),
     ];
+    if let Some(Err(why)) = arguments.record.as_ref().map(std::fs::create_dir_all) {
+        eprintln!("error: the folder for recordings cannot be made: {why}");
+        return ExitCode::FAILURE;
+    }
     for (title, name, mission) in runs {
         println!("== {title}");
         let record = arguments.record.as_ref().map(|folder| folder.join(format!("{name}.mcap")));

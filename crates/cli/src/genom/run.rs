@@ -93,11 +93,14 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Complaint> {
     let mut run = Run::new(model.clone(), setup, codels).map_err(|e| Complaint::new(e.to_string()))?;
     let specs = specs(&arguments.spec, &[], stderr)?;
     let has_specs = !specs.is_empty();
-    let watch = Watch::new(specs, &run, stderr).map_err(|wrong| Complaint::rendered(wrong.0))?;
+    let mut watch = Watch::new(specs, &run, stderr).map_err(|wrong| Complaint::rendered(wrong.0))?;
     if let Some(path) = &arguments.requests {
         ask(&mut run, path, arguments.real_time)?;
     }
     let recorder = arguments.record.as_deref().map(|path| recorder(path, watch.signals())).transpose()?;
+    if recorder.is_none() {
+        watch.skip_unread();
+    }
     interrupt::listen();
     if let Some(client) = run.client() {
         thread::spawn(move || stop_when_interrupted(&client));

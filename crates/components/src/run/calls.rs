@@ -29,8 +29,8 @@ impl Run {
         let model = self.model.clone();
         let declared = model.components.get(component).and_then(|c| c.codels.get(codel.0));
         let (Some(call), Some(declared)) = (call, declared) else { return };
-        let written = self.codels.get(&call.component, &call.function).filter(|_| declared.role != Role::Attribute);
-        match (written.cloned(), is_logical) {
+        let written = self.written.get(component).and_then(|all| all.get(codel.0)).cloned().flatten();
+        match (written, is_logical) {
             (Some(written), true) => {
                 let mut call = call;
                 let answer = guarded(&*written, &mut call);
@@ -50,7 +50,7 @@ impl Run {
             }
             (None, _) => {
                 let mut call = call;
-                let answer = self.invent(declared, &mut call);
+                let answer = self.invent(at, &mut call);
                 self.takes_off(automaton, codel, declared, call, answer);
             }
         }
@@ -75,7 +75,7 @@ impl Run {
     }
 
     /// What a codel answers that nobody has written: it does not end its activity if it need not, and writes to its ports what is there.
-    fn invent(&mut self, declared: &Declared, call: &mut Call) -> Answer {
+    fn invent(&mut self, at: (usize, usize), call: &mut Call) -> Answer {
         for argument in &mut call.arguments {
             let types = &self.store.types;
             if let (true, Held::Port { content, written }) =
@@ -84,16 +84,9 @@ impl Run {
                 written.push(content.take().unwrap_or_else(|| types.initial(&argument.ty)));
             }
         }
-        let all: Vec<String> = declared.yields().iter().map(|t| t.text()).collect();
-        let staying: Vec<&String> = all.iter().filter(|event| *event != "ether").collect();
-        match staying.len() {
-            0 if all.is_empty() => Answer::Ok,
-            0 => Answer::event("ether"),
-            count => {
-                let number = ((self.unit() * count as f64) as usize).min(count - 1);
-                Answer::event(staying[number])
-            }
-        }
+        let lot = self.unit();
+        let all = self.answers.get(at.0).and_then(|all| all.get(at.1)).map_or(&[][..], Vec::as_slice);
+        all.get((lot * all.len() as f64) as usize).cloned().unwrap_or(Answer::Ok)
     }
 
     fn lane(&self, automaton: usize, component: usize, declared: &Declared) -> Lane {
@@ -236,6 +229,13 @@ impl Run {
     pub(super) fn delay(&self, since: Time) -> Duration {
         between(since, self.now)
     }
+}
+
+/// What a codel that nobody has written can answer: `ether` only where there is nothing else.
+pub(super) fn answers(declared: &Declared) -> Vec<Answer> {
+    let all: Vec<String> = declared.yields().iter().map(|t| t.text()).collect();
+    let goes_on = all.iter().any(|event| event != "ether");
+    all.into_iter().filter(|event| !goes_on || event != "ether").map(Answer::Event).collect()
 }
 
 fn words(answer: &Answer) -> String {

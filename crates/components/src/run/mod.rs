@@ -15,13 +15,13 @@ use std::sync::mpsc::Sender;
 
 use lapwing_genom::Model;
 use lapwing_genom::automata::{self, Part, Settings, System, VarId};
-use lapwing_genom::model::{CodelId, ServiceId};
+use lapwing_genom::model::{CodelId, Role, ServiceId};
 use lapwing_genom::mutex::Rules;
 use lapwing_stream::{Duration, Time};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng;
 
-use crate::codel::Codels;
+use crate::codel::{Answer, Codel, Codels};
 use crate::figures::Figures;
 use crate::happening::{Happening, Outcome, What, Whose};
 use crate::machine::Machine;
@@ -87,7 +87,7 @@ struct Flight {
     codel: CodelId,
     began: Time,
     /// In logical time: what it has answered, which is known to nobody before it ends.
-    held: Option<(crate::codel::Call, crate::codel::Answer, Duration)>,
+    held: Option<(crate::codel::Call, Answer, Duration)>,
 }
 
 /// What is due in logical time, and in which order at one time.
@@ -98,7 +98,10 @@ pub struct Run {
     model: Arc<Model>,
     system: Arc<System>,
     setup: Setup,
-    codels: Codels,
+    /// By component and codel: what somebody has written.
+    written: Vec<Vec<Option<Arc<dyn Codel>>>>,
+    /// By component and codel: what it can answer, without `ether` where there is anything else.
+    answers: Vec<Vec<Vec<Answer>>>,
     machine: Machine,
     store: Store,
     random: Pcg64,
@@ -213,10 +216,15 @@ impl Run {
             workers: setup.is_real.then(Workers::new),
             has_begun: false,
             is_over: false,
+            written: model
+                .components
+                .iter()
+                .map(|c| c.codels.iter().map(|codel| found(&codels, c, codel)).collect())
+                .collect(),
+            answers: model.components.iter().map(|c| c.codels.iter().map(calls::answers).collect()).collect(),
             model,
             system,
             setup,
-            codels,
         })
     }
 
@@ -419,6 +427,15 @@ impl Run {
     fn service(&self, whose: Whose) -> Option<&lapwing_genom::model::Service> {
         self.model.components.get(whose.component)?.services.get(whose.service.0)
     }
+}
+
+/// What somebody has written for a codel. The work of an attribute is nobody's.
+fn found(
+    codels: &Codels,
+    component: &lapwing_genom::model::Component,
+    codel: &lapwing_genom::model::Codel,
+) -> Option<Arc<dyn Codel>> {
+    codels.get(&component.name, &codel.function).filter(|_| codel.role != Role::Attribute).cloned()
 }
 
 impl Whose {

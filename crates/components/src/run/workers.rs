@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+use std::sync::mpsc::{self, Receiver, Sender};
 use std::thread;
 use std::time::Instant;
 
@@ -100,10 +100,7 @@ impl Workers {
     pub fn wait(&self, until: Option<Time>) -> Option<Word> {
         let Some(until) = until else { return self.words.recv().ok() };
         let left = u64::try_from(until.0.saturating_sub(self.now().0)).unwrap_or(0);
-        match self.words.recv_timeout(std::time::Duration::from_nanos(left)) {
-            Ok(word) => Some(word),
-            Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => None,
-        }
+        self.words.recv_timeout(std::time::Duration::from_nanos(left)).ok()
     }
 }
 
