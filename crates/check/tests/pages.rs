@@ -6,9 +6,15 @@ use lapwing_diag::{Code, Severity};
 use support::shapes::{csv, robot};
 use support::{against, alone};
 
-/// Codes that are found while a monitor runs, or whose example is a trace.
-const ELSEWHERE: &[Code] =
-    &[Code::LatchedAfter, Code::SamplingUnseen, Code::AssumedFlat, Code::LibraryProperty, Code::TooLarge];
+/// Codes that are found while a monitor runs or when one is generated, or whose example is a trace.
+const ELSEWHERE: &[Code] = &[
+    Code::LatchedAfter,
+    Code::SamplingUnseen,
+    Code::AssumedFlat,
+    Code::LibraryProperty,
+    Code::TooLarge,
+    Code::NotGenerated,
+];
 
 /// The first example on a page.
 fn example(page: &str) -> &str {

@@ -5,7 +5,7 @@ use std::process::Command;
 use lapwing_check::checked::Spec;
 use lapwing_check::{check, load};
 use lapwing_codegen::{CAPACITY, Generated, Language, Options, generate};
-use lapwing_diag::{Diagnostic, SourceMap};
+use lapwing_diag::{Code, Diagnostic, SourceMap};
 
 fn spec(text: &str) -> (SourceMap, Spec) {
     let mut sources = SourceMap::default();
@@ -47,6 +47,12 @@ property shots over (kick): always once kick
 always norm(speed, delta(speed)) < 10 and not estop
 always once within [1 s, 3 s] (speed >= 0)
 ";
+
+#[test]
+fn the_example_on_the_page_of_the_code_is_refused() {
+    let example = Code::NotGenerated.page().split("```\n").nth(1).unwrap_or_default();
+    assert_eq!(refused(example).len(), 1, "{example}");
+}
 
 #[test]
 fn members_are_named_after_signals_and_events() {
