@@ -119,16 +119,16 @@ impl ObjectMemory {
 
     /// The pose of a frame in another, both hanging from the same root.
     fn pose_in(&self, fixed: &str, frame: &str) -> Option<Pose> {
-        let (root, of_frame) = self.from_root(frame, fixed)?;
+        let (root, of_frame) = self.pose_in_root(frame, fixed)?;
         if root == fixed {
             return Some(of_frame);
         }
-        let (other, of_fixed) = self.from_root(fixed, "")?;
+        let (other, of_fixed) = self.pose_in_root(fixed, "")?;
         (root == other).then(|| compose(inverse(of_fixed), of_frame))
     }
 
     /// The pose of a frame in its root, or in `stop`, if that comes first.
-    fn from_root(&self, frame: &str, stop: &str) -> Option<(String, Pose)> {
+    fn pose_in_root(&self, frame: &str, stop: &str) -> Option<(String, Pose)> {
         let mut at = frame.to_string();
         let mut pose = Pose { position: [0.0; 3], turn: [0.0, 0.0, 0.0, 1.0] };
         for _ in 0..DEEPEST {

@@ -27,7 +27,7 @@ mod resolve;
 mod token;
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use lapwing_diag::{Diagnostic, SourceMap, has_errors};
 
@@ -97,11 +97,7 @@ pub fn load(files: &dyn Files, paths: &[PathBuf], options: &Options) -> Result<L
     Ok(loaded)
 }
 
-fn add(
-    files: &dyn Files,
-    sources: &mut SourceMap,
-    path: &PathBuf,
-) -> Result<lapwing_diag::FileId, (PathBuf, io::Error)> {
-    let bytes = files.read(path).map_err(|e| (path.clone(), e))?;
+fn add(files: &dyn Files, sources: &mut SourceMap, path: &Path) -> Result<lapwing_diag::FileId, (PathBuf, io::Error)> {
+    let bytes = files.read(path).map_err(|e| (path.to_owned(), e))?;
     Ok(sources.add(path.display().to_string(), String::from_utf8_lossy(&bytes).into_owned()))
 }

@@ -99,7 +99,7 @@ impl Activity<'_, '_> {
             .filter_map(|id| self.codel(*id))
             .flat_map(|c| c.yields())
             .filter(|t| t.pause)
-            .filter_map(|t| target(t))
+            .filter_map(target)
             .collect();
         for id in codels {
             let Some(codel) = self.plan.component.codels.get(id.0) else { continue };

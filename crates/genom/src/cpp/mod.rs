@@ -235,7 +235,9 @@ impl<'a> Cpp<'a> {
                 condition.active = condition.around && !condition.taken;
                 (condition.taken, condition.has_else) = (true, true);
             }
-            "endif" => drop(open.pop().ok_or_else(|| wrong(span, "`#endif` without `#if`"))?),
+            "endif" => {
+                open.pop().ok_or_else(|| wrong(span, "`#endif` without `#if`"))?;
+            }
             _ => return Ok(false),
         }
         Ok(true)
