@@ -12,7 +12,7 @@
 
 use alloc::vec::Vec;
 
-use crate::latest::{Latest, NEVER};
+use crate::latest::{Latest, NEVER, has_run_out, runs_out};
 use crate::program::{Alphabet, Bit, Op, bits};
 
 /// So many situations are kept at most, and so many moves; what has more of them is computed wherever one is missing.
@@ -33,6 +33,13 @@ pub(crate) struct Place(u32);
 
 impl Place {
     const NOWHERE: Place = Place(u32::MAX);
+
+    /// The number of a letter's move from here. Places are multiples of the number of letters; what is nowhere, or no letter, is beyond all
+    /// moves.
+    #[inline]
+    fn number(self, letter: u32) -> usize {
+        (self.0 | letter) as usize
+    }
 }
 
 impl Default for Place {
@@ -71,8 +78,7 @@ impl Automaton {
     /// The number of the move from a place where the leaves in `letter` change, if it is known; no bound may have run out.
     #[inline]
     pub fn known(&self, place: Place, letter: u32) -> Option<usize> {
-        // A place is a multiple of the number of letters; what is nowhere, or no letter, is beyond all moves.
-        let at = (place.0 | letter) as usize;
+        let at = place.number(letter);
         self.moves.get(at).filter(|known| known.to != Place::NOWHERE).map(|_| at)
     }
 
@@ -96,33 +102,32 @@ impl Automaton {
         let place = self.place(alphabet, from);
         let mut made = from.follow(alphabet, ops, word, over);
         let to = Situation { word: made.word, holding: made.holding };
-        made.to = self.place(alphabet, to).map_or(Place::NOWHERE, |to| Place(to as u32));
+        made.to = self.place(alphabet, to);
         // Where nothing has run out the move is the same the next time.
         if over == 0
-            && let Some(place) = place
-            && let Some(kept) = self.moves.get_mut(place + alphabet.letter(old ^ word) as usize)
+            && let Some(kept) = self.moves.get_mut(place.number(alphabet.letter(old ^ word)))
         {
             *kept = made;
         }
         made
     }
 
-    /// Where the moves of a situation begin; a new one as long as there is room.
-    fn place(&mut self, alphabet: &Alphabet, of: Situation) -> Option<usize> {
-        let known = self.situations.iter().position(|known| *known == of);
-        known.map(|number| number << alphabet.width).or_else(|| {
-            let letters = 1 << alphabet.width;
+    /// Where a situation is; a new one has a place as long as there is room.
+    fn place(&mut self, alphabet: &Alphabet, of: Situation) -> Place {
+        let letters = 1 << alphabet.width;
+        let number = self.situations.iter().position(|known| *known == of).unwrap_or(self.situations.len());
+        if number == self.situations.len() {
             let room = SITUATIONS.min(MOVES / letters);
-            if self.situations.len() == room {
-                return None;
+            if number == room {
+                return Place::NOWHERE;
             }
             // All of it at once: a step does not allocate later.
-            self.situations.reserve(room - self.situations.len());
+            self.situations.reserve(room - number);
             self.moves.reserve(room * letters - self.moves.len());
             self.situations.push(of);
-            self.moves.resize(self.situations.len() * letters, BLANK);
-            Some((self.situations.len() - 1) << alphabet.width)
-        })
+            self.moves.resize((number + 1) * letters, BLANK);
+        }
+        Place((number * letters) as u32)
     }
 }
 
@@ -172,7 +177,7 @@ impl Move {
         for i in bits(self.ends) {
             latest.stamps[i] = before;
             if self.word & (1 << i) != 0 {
-                *alarm = (*alarm).min(before.saturating_add_unsigned(alphabet.over[i]));
+                *alarm = (*alarm).min(runs_out(before, alphabet.over[i]));
             }
         }
         for i in bits(self.breaks) {
@@ -181,8 +186,7 @@ impl Move {
     }
 }
 
-/// The bounded operators of which too much time has passed since their operand held. And when the next of the others runs
-/// out.
+/// The bounded operators of which too much time has passed since their operand held, and when the next of the others runs out.
 #[inline(never)]
 pub(crate) fn expired(alphabet: &Alphabet, latest: &Latest, (now, before): (i64, i64)) -> (u64, i64) {
     let (mut over, mut alarm) = (0, i64::MAX);
@@ -192,11 +196,10 @@ pub(crate) fn expired(alphabet: &Alphabet, latest: &Latest, (now, before): (i64,
         if since == NEVER {
             continue;
         }
-        // A distance fits without a sign.
-        if now.wrapping_sub(since).cast_unsigned() >= alphabet.over[i] {
+        if has_run_out(now, since, alphabet.over[i]) {
             over |= 1 << i;
         } else if !holds {
-            alarm = alarm.min(since.saturating_add_unsigned(alphabet.over[i]));
+            alarm = alarm.min(runs_out(since, alphabet.over[i]));
         }
     }
     (over, alarm)

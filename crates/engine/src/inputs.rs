@@ -61,26 +61,12 @@ pub(crate) struct EventState {
     pub count: usize,
     /// Whether a value in its condition was of another kind than was needed, so that nobody knows whether it occurs.
     pub is_unclear: bool,
-    /// Whether an instance sees only some of its occurrences.
-    pub is_sliced: bool,
 }
 
 impl EventState {
-    fn new(program: &Program, event: usize) -> EventState {
-        let mut slices = program.groups.iter().flat_map(|group| &group.at.slices);
-        let is_sliced = slices.any(|slice| slice.hides.iter().any(|(hidden, _)| *hidden == event));
-        EventState { is_sliced, ..EventState::default() }
-    }
-
     /// The occurrences, in order.
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = &[Value]> {
         self.occurrences[..self.count].iter().map(Vec::as_slice)
-    }
-
-    /// Whether it occurs, where that is the same for all who read it and is known: nothing of it hides an occurrence from an instance.
-    #[inline]
-    pub fn occurs(&self) -> Option<bool> {
-        (!self.is_unclear && !self.is_sliced).then_some(self.count > 0)
     }
 
     /// Adds an occurrence, in the buffers of an earlier one.
@@ -113,7 +99,7 @@ impl Inputs {
             row: Row::default(),
             stirred: false,
             topics: alloc::vec![TopicState::default(); program.topics.len()],
-            events: (0..program.events.len()).map(|event| EventState::new(program, event)).collect(),
+            events: alloc::vec![EventState::default(); program.events.len()],
             machines: program.machines.iter().map(|m| Some(m.initial)).collect(),
             lost: alloc::vec![false; program.machines.len()],
         }

@@ -46,22 +46,28 @@ impl Latest {
             *stamp = now;
             return true;
         }
-        let is = (*stamp != NEVER) & is_within(now, *stamp, most);
+        let over = over(most);
+        let is = (*stamp != NEVER) & !has_run_out(now, *stamp, over);
         if is {
-            *alarm = (*alarm).min(runs_out(*stamp, most));
+            *alarm = (*alarm).min(runs_out(*stamp, over));
         }
         is
     }
 }
 
-/// Whether a stamp, which is not later than `now`, lies at most so far back; [`i64::MAX`] is no bound. The distance fits without a sign.
-#[inline]
-fn is_within(now: i64, stamp: i64, most: i64) -> bool {
-    (now.wrapping_sub(stamp).cast_unsigned() <= most.cast_unsigned()) | (most == i64::MAX)
+/// The distance at which a bound of at most so many nanoseconds has run out. [`i64::MAX`] is no bound: no two stamps lie [`u64::MAX`] apart.
+pub(crate) fn over(most: i64) -> u64 {
+    if most == i64::MAX { u64::MAX } else { most.cast_unsigned() + 1 }
 }
 
-/// Before this time a stamp lies at most so far back; from then on that has to be looked at.
+/// Whether a stamp, which is not later than `now`, lies that far back. A distance fits without a sign.
 #[inline]
-fn runs_out(stamp: i64, most: i64) -> i64 {
-    stamp.saturating_add(most).saturating_add(1)
+pub(crate) fn has_run_out(now: i64, stamp: i64, over: u64) -> bool {
+    now.wrapping_sub(stamp).cast_unsigned() >= over
+}
+
+/// Before this time a stamp does not lie that far back; from then on that has to be looked at.
+#[inline]
+pub(crate) fn runs_out(stamp: i64, over: u64) -> i64 {
+    stamp.saturating_add_unsigned(over)
 }

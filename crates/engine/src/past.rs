@@ -96,6 +96,15 @@ pub(crate) struct Here<'a> {
     pub seen: &'a [u64],
 }
 
+impl Here<'_> {
+    /// Whether an event occurs, where that is known and no slice hides an occurrence.
+    #[inline]
+    pub fn occurs(&self, event: usize) -> Option<bool> {
+        let state = &self.inputs.events[event];
+        (!state.is_unclear && self.at.slices.is_empty()).then_some(state.count > 0)
+    }
+}
+
 /// What an operator sees besides the registers.
 #[derive(Clone, Copy)]
 pub(crate) struct Scene<'a> {
@@ -170,14 +179,15 @@ pub(crate) fn set(bits: &mut [u64], i: usize, bit: bool) {
 pub(crate) fn quick(
     (i, op): (usize, &Op),
     latest: &mut Latest,
-    inputs: &Inputs,
-    times: (i64, Option<i64>),
+    here: &Here<'_>,
+    before: Option<i64>,
     alarm: &mut i64,
     get: impl Fn(Bit) -> bool,
 ) -> Option<bool> {
+    let times = (here.now, before);
     match op {
-        Op::Slot { slot, .. } if let Value::Bool(is) = inputs.slots[*slot] => Some(is),
-        Op::Event(event) if let Some(occurs) = inputs.events[*event].occurs() => Some(occurs),
+        Op::Slot { slot, .. } if let Value::Bool(is) = here.inputs.slots[*slot] => Some(is),
+        Op::Event(event) => here.occurs(*event),
         Op::And(a, b) => Some(get(*a) & get(*b)),
         Op::OnceWithin(most, of) => Some(latest.note(i, get(*of), times, *most, alarm)),
         Op::SinceWithin(most, left, right) => {
@@ -213,10 +223,9 @@ pub(crate) fn step(
     bits: &[u64],
     values: &mut [Value],
 ) -> (bool, i64) {
-    let Here { at, inputs, now: stamp, .. } = scene.here;
-    let op = &at.ops[i];
+    let op = &scene.here.at.ops[i];
     let mut alarm = i64::MAX;
-    if let Some(known) = quick((i, op), latest, inputs, (stamp, scene.before), &mut alarm, |of| of.of(bits)) {
+    if let Some(known) = quick((i, op), latest, &scene.here, scene.before, &mut alarm, |of| of.of(bits)) {
         return (known, alarm);
     }
     match (op, memory) {

@@ -3,8 +3,7 @@
 
 use lapwing_stream::{Time, Value};
 
-use crate::group::When;
-use crate::instances::only;
+use crate::inputs::Inputs;
 use crate::outcome::{Observer, Output};
 use crate::piece::Piece;
 use crate::program::{Column, Program, bits};
@@ -39,16 +38,13 @@ impl Piece {
     /// A row in which these columns toggle, or at which a bound may run out.
     #[inline(always)]
     fn skim_change(&mut self, program: &Program, now: i64, changed: u64, tell: &mut impl Observer) -> bool {
-        let Some((plan, automaton, core)) = only(&program.groups, &mut self.groups) else { return false };
-        let when = When { now, number: self.instants, before: self.last_instant };
-        let (Some(alphabet), false) = (plan.alphabet(), self.inputs.woken) else { return false };
         let letter = bits(changed).fold(0, |letter, column| letter ^ program.letters[column]);
-        let Some(known) = core.known_move((automaton, alphabet), letter, when) else { return false };
-        for column in bits(changed) {
-            toggle(&mut self.inputs.slots, &program.columns[column]);
-        }
-        self.calm_until = core.follow(plan, (automaton, alphabet), &self.inputs, known, when, tell);
-        true
+        let toggle_all = |inputs: &mut Inputs| {
+            for column in bits(changed) {
+                toggle(&mut inputs.slots, &program.columns[column]);
+            }
+        };
+        !self.inputs.woken && self.glide(program, now, letter, toggle_all, tell)
     }
 }
 

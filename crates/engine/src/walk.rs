@@ -101,7 +101,7 @@ impl Walk {
     fn occurs(&mut self, events: &[usize], here: Here<'_>) -> bool {
         let mut occurs = false;
         for &event in events {
-            occurs |= match here.inputs.events[event].occurs() {
+            occurs |= match here.occurs(event) {
                 Some(occurs) => occurs,
                 None => {
                     if here.inputs.is_unclear(event) {
@@ -209,13 +209,13 @@ impl Walk {
     /// Evaluates operators in their order; `follow` tells which others the change of one makes due. Gives the word of all registers then.
     #[inline(always)]
     fn sweep(&mut self, here: Here<'_>, mut word: u64, mut due: u64, follow: impl Fn(usize) -> u64) -> u64 {
-        let (ops, times) = (&here.at.ops[..], (here.now, self.last));
+        let ops = &here.at.ops[..];
         let mut alarm = self.alarm;
         while due != 0 {
             let i = due.trailing_zeros() as usize;
             due &= due - 1;
             let quick =
-                past::quick((i, &ops[i]), &mut self.latest, here.inputs, times, &mut alarm, |of| of.in_word(word));
+                past::quick((i, &ops[i]), &mut self.latest, &here, self.last, &mut alarm, |of| of.in_word(word));
             let bit = quick.unwrap_or_else(|| {
                 let (bit, next) = self.step(i, word, here);
                 self.again |= u64::from(next == NOW) << i;

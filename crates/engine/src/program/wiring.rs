@@ -2,6 +2,8 @@
 
 use alloc::vec::Vec;
 
+use crate::latest::over;
+
 use super::{At, Clock, Column, Group, Judged, Node, NodeId, Op, Positions, Program, Tracker};
 
 /// So many operators have a bit each. Where there are more, all of them run at every position.
@@ -197,8 +199,8 @@ fn alphabet(at: &Positions, wiring: &Wiring) -> Option<Alphabet> {
         return None;
     }
     let places = alloc::vec![0; at.ops.len()];
-    let over = alloc::vec![u64::MAX; at.ops.len()];
-    let mut alphabet = Alphabet { width, shortest: u64::MAX, places, over, timed: wiring.timed };
+    let overs = alloc::vec![u64::MAX; at.ops.len()];
+    let mut alphabet = Alphabet { width, shortest: u64::MAX, places, over: overs, timed: wiring.timed };
     let mut next = 1;
     for (i, op) in at.ops.iter().enumerate() {
         match op {
@@ -208,10 +210,8 @@ fn alphabet(at: &Positions, wiring: &Wiring) -> Option<Alphabet> {
             }
             Op::And(..) | Op::Iff(..) => {}
             Op::OnceWithin(most, _) | Op::SinceWithin(most, ..) => {
-                if *most != i64::MAX {
-                    alphabet.over[i] = most.cast_unsigned() + 1;
-                    alphabet.shortest = alphabet.shortest.min(most.cast_unsigned());
-                }
+                alphabet.over[i] = over(*most);
+                alphabet.shortest = alphabet.shortest.min(over(*most) - 1);
             }
             _ => return None,
         }
