@@ -176,11 +176,18 @@ impl Desk {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// This thread comes to the desk. Whoever stands there already, and so under the lock, is turned away.
+    fn come(&self) -> Option<AtDesk> {
+        let at_desk = AtDesk::enter();
+        if at_desk.is_none() {
+            self.has_turned_away.store(true, Ordering::Relaxed);
+        }
+        at_desk
+    }
+
     /// Something arrives. What it violates is answered before this returns.
     pub fn arrive(&self, bringer: Bringer, what: impl FnOnce(&mut Arrival<'_>)) {
-        let Some(at_desk) = AtDesk::enter() else {
-            return self.has_turned_away.store(true, Ordering::Relaxed);
-        };
+        let Some(at_desk) = self.come() else { return };
         let all_news = self.take(what);
         drop(at_desk);
         all_news.iter().for_each(|news| self.answer(bringer, news));
@@ -209,6 +216,7 @@ impl Desk {
 
     /// A name that the specification does not declare was used.
     pub fn note_unknown(&self, name: &str) {
+        let Some(_at_desk) = self.come() else { return };
         let mut inner = self.lock();
         if inner.unknown.len() < MOST_UNKNOWN && !inner.unknown.contains(name) {
             inner.unknown.insert(name.to_owned());
@@ -227,6 +235,8 @@ impl Desk {
 
     /// Whether a reaction that is limited may be carried out now.
     fn may(&self, number: usize, every: Duration, news: &News) -> bool {
+        // A clock that raises events would otherwise be asked about the reactions to these in turn, without end.
+        let _at_desk = AtDesk::enter();
         let now = self.clock.now();
         self.lock().done.may(number, every, news, now)
     }
@@ -317,15 +327,20 @@ impl Desk {
         self.changed.notify_all();
     }
 
-    /// The property whose violation stopped it, where one did.
+    /// The property whose violation stopped it, where one did; nothing to a thread that stands at the desk.
     pub fn stopped_by(&self) -> Option<String> {
+        let _at_desk = AtDesk::enter()?;
         self.lock().stopped_by.clone()
     }
 
     /// It is over: what is said of every property. `unseen` says what nobody could see, given which events somebody has raised.
+    /// A thread that stands at the desk ends nothing, and gets a report that says so.
     pub fn finish(&self, unseen: impl FnOnce(&[bool]) -> Unseen) -> Report {
         self.advance();
-        let _at_desk = AtDesk::enter();
+        let Some(_at_desk) = self.come() else {
+            let gap = "the report was asked for by the clock or the writer of the recording, while something arrived";
+            return Report { gaps: vec![gap.to_owned()], ..Report::default() };
+        };
         let mut inner = self.lock();
         if let Some(report) = &inner.report {
             return report.clone();

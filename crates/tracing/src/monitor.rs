@@ -194,12 +194,15 @@ impl Monitor {
         self.shared.desk.advance();
     }
 
-    /// The property whose violation ended the monitoring by `stop`, where one did.
+    /// The property whose violation ended the monitoring by `stop`, where one did. A clock, or a recording's writer, that asks while it is called
+    /// is told of none.
     pub fn stopped_by(&self) -> Option<String> {
         self.shared.desk.stopped_by()
     }
 
     /// Ends the monitoring: the report that `lapwing check` gives of the same events and values. Asked again, it gives the same report.
+    ///
+    /// A clock, or a recording's writer, that is called while something arrives cannot end it: its report has no properties, and a gap.
     pub fn finish(&self) -> Report {
         let Shared { desk, sites, assumed, .. } = &*self.shared;
         desk.finish(|raised| sites.unseen(raised, assumed))
