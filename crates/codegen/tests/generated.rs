@@ -209,6 +209,27 @@ fn what_would_need_more_than_one_fixed_size_is_refused_at_its_place() {
 }
 
 #[test]
+fn a_machine_has_as_many_states_as_a_byte_can_count() {
+    let machine = |count: usize| {
+        let states: String = (0..count).map(|i| format!("    state s{i} when x == {i}\n")).collect();
+        format!("machine many {{\n    initial s0\n{states}    s0 -> s{}\n}}\n", count - 1)
+    };
+    // Along the edge to the last state, then nowhere.
+    let main = format!(
+        "static robot_monitor m; robot_init(&m);
+        robot_inputs in = {{.x = 254, .has_x = true}};
+        robot_step(&m, 0, &in);
+        in.x = 255;
+        robot_step(&m, 1, &in);{SAY}printf(\" %d\", (int)o.met);"
+    );
+    assert_eq!(run_c(&machine(255), 4, &main), "0 0 1 0 1");
+    let text = machine(256) + "always many == s1 implies x > 0\n";
+    let [(place, message)] = refused(&text).try_into().expect("one refusal");
+    assert!(place.starts_with("machine many {"), "{place}");
+    assert_eq!(message, "the state of a machine is one byte, and `many` has 256");
+}
+
+#[test]
 fn hostile_names_make_no_hostile_code() {
     let text =
         "decl `int` /int Float64.data\nproperty `*/ oops`: always `int` > 0\nproperty `b\\\\`: never `int` > 9\n";
