@@ -419,10 +419,7 @@ impl Reader<'_> {
         for number in 0..self.chart.arrows.len() {
             let Some((text, at)) = self.labels.get(number).cloned() else { continue };
             let from = self.chart.arrows[number].from;
-            let annotated = {
-                let outer = (0..self.chart.nodes.len()).filter(|n| self.chart.nodes[*n].annotation.is_some());
-                outer.into_iter().any(|n| self.chart.is_in(from, n))
-            };
+            let annotated = self.chart.around(from).any(|n| self.chart.nodes[n].annotation.is_some());
             let place = match (annotated, self.chart.nodes[from].kind) {
                 (_, Kind::Choice) => Place::Choice,
                 (true, _) => Place::Machine,
