@@ -26,6 +26,9 @@ pub(crate) const DEEPEST: u32 = 16;
 /// So many names that the specification does not know are remembered, to be told.
 const MOST_UNKNOWN: usize = 16;
 
+/// So many different warnings of what went wrong in handlers and listeners are kept, to be told.
+const MOST_WARNINGS: usize = 64;
+
 thread_local! {
     /// How many handlers this thread is inside of.
     static DEPTH: Cell<u32> = const { Cell::new(0) };
@@ -91,6 +94,8 @@ struct Inner {
     done: Done,
     recorder: Option<Recorder>,
     warnings: Vec<Warning>,
+    /// Whether there were more warnings than are kept.
+    has_more_warnings: bool,
     report: Option<Report>,
 }
 
@@ -158,6 +163,7 @@ impl Desk {
             done: Done::default(),
             recorder,
             warnings: Vec::new(),
+            has_more_warnings: false,
             report: None,
             monitor,
         };
@@ -354,22 +360,33 @@ impl Desk {
         for property in &mut report.properties {
             property.reactions = inner.done.told(&property.name);
         }
+        report.warnings.append(&mut inner.warnings);
+        if inner.has_more_warnings {
+            report.warnings.push(Warning::plain(format!(
+                "there were more than {MOST_WARNINGS} such warnings; the others are not listed"
+            )));
+        }
         if let Some(error) = inner.recorder.as_mut().and_then(Recorder::finish) {
-            warn(&mut inner, format!("not everything that arrived was recorded: {error}"));
+            let message = format!("not everything that arrived was recorded: {error}");
+            report.warnings.push(Warning::plain(message));
         }
         if self.has_turned_away.load(Ordering::Relaxed) {
             let message = "what the clock or the writer of the recording raised was not seen: they are called while something else arrives";
-            warn(&mut inner, message.to_owned());
+            report.warnings.push(Warning::plain(message));
         }
-        report.warnings.append(&mut inner.warnings);
         report.warnings.extend(unknown(&inner.unknown, report.specs.first()));
         inner.report = Some(report.clone());
         report
     }
 }
 
+/// Keeps a warning for the report, once. Those of the report itself are added to it, however many there are of these.
 fn warn(inner: &mut Inner, message: String) {
-    if inner.warnings.iter().all(|w| w.message != message) {
+    if inner.warnings.iter().any(|w| w.message == message) {
+        return;
+    }
+    inner.has_more_warnings |= inner.warnings.len() >= MOST_WARNINGS;
+    if !inner.has_more_warnings {
         inner.warnings.push(Warning::plain(message));
     }
 }
