@@ -198,11 +198,15 @@ impl<'s> Course<'s> {
     /// How things stand of a property of a specification, all of its instances together.
     pub fn stand(&self, spec: usize, property: &str) -> Stand {
         let Some(post) = self.posts.get(spec) else { return Stand::default() };
-        let sees = |topic: &String| {
-            let is_silent = self.rhythms.get(topic).is_some_and(Rhythm::is_too_long);
-            !is_silent && self.ledger.now(topic).next().is_none()
-        };
-        post.stand(property, sees)
+        post.stand(property, |topic| self.causes_now(topic).next().is_none())
+    }
+
+    /// Why nothing can be judged now that reads a topic, as far as that is so: what stands in the way of seeing it, and that it has been silent
+    /// for longer than a specification allows.
+    pub fn causes_now(&self, topic: &str) -> impl Iterator<Item = String> {
+        let silence = self.rhythms.get(topic).and_then(Rhythm::too_long);
+        let silence = silence.map(|limit| format!("nothing came for longer than {limit}, its `stale after`"));
+        self.ledger.now(topic).map(ToString::to_string).chain(silence)
     }
 
     /// The stamp of the first thing that was seen.
