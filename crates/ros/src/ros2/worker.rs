@@ -4,7 +4,7 @@
 //! DDS tells of changes by events that it drops when there are too many. So an event is only a reason to look: what counts
 //! is the list of all publishers, which is compared with what was known, twice a second in any case.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError};
 use std::time::{Duration, Instant};
 
@@ -368,17 +368,19 @@ impl Worker {
         }
     }
 
-    /// Opens the readers that are missing.
+    /// Opens the readers that are missing. One that cannot be opened is in the way of its topic until it can.
     fn open_feeds(&mut self) {
+        let mut unreadable: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
         for (topic, type_name, reading) in self.catalogue.readers() {
             let is_this = |f: &Feed| f.topic == topic && f.type_name == type_name && f.reading == reading;
             if self.feeds.values().any(is_this) {
                 continue;
             }
             if let Err(Refused(why)) = self.open_feed(&topic, &type_name, reading) {
-                self.inbox.push(Happening::Blind { topic, cause: Cause::Disconnected(why) });
+                unreadable.entry(topic).or_default().insert(why);
             }
         }
+        self.catalogue.unreadable(unreadable);
     }
 
     fn open_feed(&mut self, topic: &str, type_name: &str, reading: Reading) -> Result<(), Refused> {
