@@ -144,10 +144,12 @@ impl Watch for Looker {
                 }
             }
         }
-        let json = line(&self.source, event);
-        self.audiences.iter_mut().for_each(|audience| audience.event(event, &json));
-        if self.format == Format::Ndjson {
-            self.out(&json);
+        if self.format == Format::Ndjson || !self.audiences.is_empty() {
+            let json = line(&self.source, event);
+            self.audiences.iter_mut().for_each(|audience| audience.event(event, &json));
+            if self.format == Format::Ndjson {
+                self.out(&json);
+            }
         }
         if let Some((text, is_bad)) = self.lines.of(event) {
             self.line(&text, is_bad);

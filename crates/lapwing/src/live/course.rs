@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use bytes::Bytes;
 use lapwing_react::history::History;
-use lapwing_react::{Event, Report, Topic, Warning};
+use lapwing_react::{Event, Property, Report, Topic, Violation, Warning};
 use lapwing_record::RawChannel;
 use lapwing_stream::{Duration, Time};
 
@@ -63,15 +63,15 @@ pub(crate) enum Seen {
     Status(Status),
 }
 
-/// Someone to be told of a violation at once.
-#[derive(Clone, Debug, PartialEq)]
+/// A violation that is to be answered at once.
+#[derive(Debug)]
 pub(crate) struct Alarm {
     /// The number of the specification.
     pub spec: usize,
     /// The property, with its instance.
-    pub property: String,
-    /// All that is known of it, as a line of JSON.
-    pub line: String,
+    pub property: Property,
+    /// What is known of the violation.
+    pub violation: Violation,
 }
 
 /// How things stand of a property.
@@ -100,8 +100,8 @@ pub(crate) struct Course<'s> {
     last: Option<Time>,
     /// How often something was warned of.
     told: BTreeMap<(Option<String>, &'static str), u32>,
-    /// The violations that nobody has taken note of yet.
-    pub alarms: Vec<Alarm>,
+    /// The violations that have not been answered yet, where somebody answers.
+    alarms: Option<Vec<Alarm>>,
     /// How many violations there were, in all and of each property.
     pub violations: u64,
     pub tally: Tally,
@@ -131,7 +131,7 @@ impl<'s> Course<'s> {
             heard: None,
             last: None,
             told: BTreeMap::new(),
-            alarms: Vec::new(),
+            alarms: None,
             violations: 0,
             tally: Tally::default(),
         }
@@ -140,6 +140,16 @@ impl<'s> Course<'s> {
     /// Somebody looks on, and wants to see what the signals do.
     pub fn draw(&mut self) {
         self.posts.iter_mut().for_each(|post| post.draws = true);
+    }
+
+    /// Somebody answers violations, and takes the alarms after every step: without that none are kept.
+    pub fn alarm(&mut self) {
+        self.alarms = Some(Vec::new());
+    }
+
+    /// The violations since this was asked last.
+    pub fn take_alarms(&mut self) -> Vec<Alarm> {
+        self.alarms.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
     /// Says what is watched.
@@ -472,13 +482,13 @@ impl<'s> Course<'s> {
             for run in post.shifts.iter_mut().map(|shift| &mut shift.run) {
                 warnings.extend(std::iter::from_fn(|| run.jump()));
                 while let Some(Untold { property, violation, .. }) = run.news() {
-                    let event = Event::Violation { property: &property, violation: &violation };
-                    watch.event(event);
-                    let line = lapwing_react::line(&self.report.trace, event);
+                    watch.event(Event::Violation { property: &property, violation: &violation });
                     let (count, latest) = self.tally.entry((spec, property.name.clone())).or_default();
                     (*count, *latest) = (*count + 1, violation.failed);
-                    self.alarms.push(Alarm { spec, property: property.name, line });
                     self.violations += 1;
+                    if let Some(alarms) = &mut self.alarms {
+                        alarms.push(Alarm { spec, property, violation });
+                    }
                 }
             }
         }

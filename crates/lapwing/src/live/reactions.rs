@@ -207,7 +207,7 @@ impl Reactions {
         let mut done = Done::default();
         let Reactions { list, calls, is_dry, .. } = self;
         for alarm in alarms {
-            let base = alarm.property.split('[').next().unwrap_or_default();
+            let base = alarm.property.name.split('[').next().unwrap_or_default();
             for reaction in list.iter_mut().filter(|r| r.spec == alarm.spec && r.property == base) {
                 let is_soon = reaction.last.zip(reaction.pause).is_some_and(|(last, pause)| now.since(last) < pause);
                 if is_soon {
@@ -216,7 +216,7 @@ impl Reactions {
                 reaction.last = Some(now);
                 for (words, ready) in &reaction.actions {
                     let verb = if *is_dry { "would " } else { "" };
-                    done.notes.push(format!("{verb}{words}, because {} is violated", alarm.property));
+                    done.notes.push(format!("{verb}{words}, because {} is violated", alarm.property.name));
                     match carry_out(ready, connector) {
                         Ok(call) => {
                             done.sent += usize::from(matches!(ready, Ready::Publish(..) | Ready::Call { .. }));

@@ -172,6 +172,7 @@ impl Station {
     pub fn run(&mut self, specs: &[Spec], watch: &mut dyn Onlooker) -> Result<Outcome, String> {
         let began = self.connector.now();
         let mut course = Course::new(specs, &self.connector.name(), &self.options.checking);
+        course.alarm();
         if watch.draws() {
             course.draw();
         }
