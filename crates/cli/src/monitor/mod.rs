@@ -54,7 +54,7 @@ fn audiences(monitor: &Monitor) -> Result<Vec<Box<dyn Audience>>, Complaint> {
     if let Some(at) = monitor.serve.as_deref() {
         let server = Server::start(at)?;
         say(&format!("showing how things stand at http://{}/\n", server.address()));
-        audiences.push(Box::new(server.board()));
+        audiences.push(Box::new(server));
     }
     #[cfg(feature = "foxglove")]
     if let Some(at) = monitor.foxglove.as_deref() {
