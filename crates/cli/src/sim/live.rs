@@ -24,6 +24,8 @@ const TICK: Duration = Duration::from_millis(100);
 /// So long a run waits for somebody to command its robots before it begins all the same, and so long after that.
 const PATIENCE: Duration = Duration::from_secs(10);
 const SETTLE: Duration = Duration::from_secs(1);
+/// So many things that have come are heard when a message is due already: whoever floods the robot with commands does not stop its time.
+const TURN: usize = 256;
 /// A run that was late by less than this was on time.
 const LATE: Duration = Duration::from_millis(100);
 
@@ -146,19 +148,22 @@ impl<'g> Node<'g> {
         self.ears.iter().any(|(ear, _)| self.heard.values().all(|(place, _)| place != ear))
     }
 
-    /// Listens until a message is due. Whether the run goes on.
+    /// Listens until a message is due, and then to what has come, a turn of it. Whether the run goes on.
     fn listen(&mut self, due: Instant, simulation: &mut Simulation) -> bool {
-        loop {
+        let mut turn = 0;
+        while turn < TURN {
             if interrupt::is_stopped() {
                 return false;
             }
             let left = due.saturating_duration_since(Instant::now());
+            turn += usize::from(left.is_zero());
             match self.graph.next(left.min(TICK)) {
                 Some(arrival) => self.hear(&arrival, simulation),
                 None if left.is_zero() => return true,
                 None => {}
             }
         }
+        true
     }
 
     fn hear(&mut self, arrival: &Arrival, simulation: &mut Simulation) {
