@@ -118,7 +118,7 @@ impl Checker<'_> {
         names: impl IntoIterator<Item = &'n str>,
     ) -> Check<T> {
         let mut diagnostic = Diagnostic::new(Code::BipUnknownName, span, format!("there is no {what} `{name}`"));
-        if let Some(near) = crate::suggest::nearest(name, names) {
+        if let Some(near) = lapwing_diag::suggest::nearest(name, names) {
             diagnostic = diagnostic.help(format!("did you mean `{near}`?"));
         }
         Err(self.report(diagnostic))

@@ -70,7 +70,7 @@ impl Checked {
         let message = format!("there is no compound `{name}` to begin with");
         let diagnostic = Diagnostic::new(Code::BipRoot, Span::default(), message);
         let names = self.roots.iter().map(|(n, _)| n.as_str());
-        Err(Box::new(match crate::suggest::nearest(name, names.clone()) {
+        Err(Box::new(match lapwing_diag::suggest::nearest(name, names.clone()) {
             Some(near) => diagnostic.help(format!("did you mean `{near}`?")),
             None => diagnostic.help(format!("compounds are {}", names.collect::<Vec<_>>().join(", "))),
         }))

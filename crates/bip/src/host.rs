@@ -63,7 +63,7 @@ impl<'f> Registry<'f> {
         let complaint = |s: &Signature| {
             let message = format!("nobody provides the external function `{}`", s.name);
             let diagnostic = lapwing_diag::Diagnostic::new(lapwing_diag::Code::BipExternal, s.span, message);
-            match crate::suggest::nearest(&s.name, self.names()) {
+            match lapwing_diag::suggest::nearest(&s.name, self.names()) {
                 Some(near) => diagnostic.help(format!("did you mean `{near}`?")),
                 None => diagnostic.help(format!("there are {}", self.names().collect::<Vec<_>>().join(", "))),
             }

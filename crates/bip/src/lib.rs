@@ -14,7 +14,6 @@ pub mod ast;
 mod lexer;
 mod parser;
 mod printer;
-mod suggest;
 
 mod check;
 mod template;

@@ -6,7 +6,7 @@ use lapwing_syntax::ast::{self, ActivityPhase, EventDecl, Ident};
 use crate::checked::{Event, EventSource, Point, PointKind};
 use crate::context::{Cx, Env, Found};
 use crate::service::ServiceHalf;
-use crate::suggest;
+use lapwing_diag::suggest;
 
 /// Declares the events, and after that reads their conditions. Gives what was found wrong with each.
 pub(crate) fn declare(cx: &mut Cx) {

@@ -7,9 +7,9 @@ use lapwing_syntax::ast;
 use crate::checked::{Dim, Event, EventField, EventSource, Expr, Input, Kind, Object, ObjectSource, Path, Topic};
 use crate::context::{Cx, Env};
 use crate::messages::{Known, known_type};
-use crate::suggest;
 use crate::trace::{is_type, plain_type};
 use crate::world::DEFAULT_TOPIC;
+use lapwing_diag::suggest;
 
 /// A topic that has been looked up in the trace.
 pub(crate) struct Opened {

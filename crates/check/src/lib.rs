@@ -57,12 +57,10 @@ mod world;
 mod dims;
 mod lint;
 mod messages;
-mod suggest;
 mod walk;
 
 pub use check::{Checked, check};
 pub use definitions::MessageTypes;
 pub use library::{LIBRARIES, Library, ShippedPattern};
 pub use load::{Loaded, load};
-pub use suggest::nearest;
 pub use trace::{COMPONENTS, TraceShape, TraceTopic};

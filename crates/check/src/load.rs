@@ -9,8 +9,8 @@ use crate::call::is_function;
 use crate::definitions::Definitions;
 use crate::graph::{exprs, quantifiers};
 use crate::library::LIBRARIES;
-use crate::suggest;
 use crate::walk;
+use lapwing_diag::suggest;
 
 /// A specification and its libraries, ready to be checked.
 #[derive(Clone, Debug, Default)]

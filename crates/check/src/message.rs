@@ -13,9 +13,9 @@ use crate::definitions::Half;
 use crate::messages::{self, Known};
 use crate::place::{describe, field_type};
 use crate::reaction::type_name;
-use crate::suggest;
 use crate::trace::{is_type, plain_type};
 use crate::world;
+use lapwing_diag::suggest;
 
 /// Reads and checks a message of the type `ty` that goes to a topic or a service.
 pub(crate) fn read(

@@ -8,7 +8,7 @@ use lapwing_syntax::ast::{self, Ident};
 use crate::checked::{EventField, EventSource, Expr, Input, InputSource, Kind, Path, Step};
 use crate::context::{Cx, Env, poison};
 use crate::messages::{self, Known};
-use crate::suggest;
+use lapwing_diag::suggest;
 
 /// A way to a value.
 #[derive(Clone)]

@@ -9,7 +9,7 @@ use crate::definitions::Half;
 use crate::message;
 use crate::names::declared;
 use crate::property::is_judged;
-use crate::suggest;
+use lapwing_diag::suggest;
 
 /// Reads the reactions and guards of the file.
 pub(crate) fn read(cx: &mut Cx) {

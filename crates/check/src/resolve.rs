@@ -13,9 +13,9 @@ use crate::context::{Cx, Env};
 use crate::messages::{self, Known};
 use crate::names::{Formula, Named};
 use crate::place::{Place, Root, describe};
-use crate::suggest;
 use crate::term::Term;
 use crate::world;
+use lapwing_diag::suggest;
 
 impl Cx<'_> {
     /// What a dotted name means.

@@ -110,7 +110,7 @@ impl Term {
         }
         let mut diagnostic = mismatch(&expr, "a number");
         if let Type::Message(schema) = &expr.ty {
-            let fields = crate::suggest::listed(schema.fields.iter().map(|f| &*f.name));
+            let fields = lapwing_diag::suggest::listed(schema.fields.iter().map(|f| &*f.name));
             diagnostic = diagnostic.help(format!("its fields are {fields}"));
         }
         cx.report(env, diagnostic);
@@ -272,7 +272,7 @@ impl Compound {
         if let (Shape::Rotation, Some(Func::Yaw), Some(yaw)) = (self.shape, turn, &self.scalar) {
             return Term::Expr(yaw.clone()).at(span);
         }
-        let names = crate::suggest::listed(self.shape.names().iter().copied());
+        let names = lapwing_diag::suggest::listed(self.shape.names().iter().copied());
         let message = format!("`{}` has no part `{}`", self.label, name.name);
         let diagnostic = Diagnostic::new(Code::UnknownField, name.span, message).help(format!("its parts are {names}"));
         cx.report(env, diagnostic);

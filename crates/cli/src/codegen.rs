@@ -7,9 +7,10 @@ use clap::{Args, ColorChoice, ValueEnum};
 use lapwing_codegen::{Generated, Language, Options, generate};
 use lapwing_diag::render;
 
-use crate::complain::{Complaint, nearest, say, styles};
+use crate::complain::{Complaint, say, styles};
 use crate::exit::Exit;
 use crate::words;
+use lapwing_diag::suggest::nearest;
 
 /// Arguments of `codegen`.
 #[derive(Debug, Args)]

@@ -41,12 +41,6 @@ impl Complaint {
     }
 }
 
-/// What was probably meant by a name.
-pub fn nearest<'n>(name: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
-    let (far, near) = names.map(|n| (strsim::damerau_levenshtein(name, n), n)).min()?;
-    (far <= 1 + name.len() / 4).then_some(near)
-}
-
 /// Says something on stderr. Where nobody listens there is nothing to be done about it.
 pub fn say(text: &str) {
     let _ = std::io::stderr().write_all(text.as_bytes());

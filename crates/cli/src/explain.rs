@@ -9,10 +9,11 @@ use lapwing::{Options, Spec};
 use lapwing_diag::Code;
 
 use crate::args::{self, Explain};
-use crate::complain::{Complaint, nearest, say, styles};
+use crate::complain::{Complaint, say, styles};
 use crate::exit::Exit;
 use crate::library;
 use crate::words;
+use lapwing_diag::suggest::nearest;
 
 /// Runs the command.
 pub fn run(arguments: &Explain) -> Result<Exit, Complaint> {

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use lapwing::{LIBRARIES, Library, ShippedPattern};
 
-use crate::complain::{Complaint, nearest};
+use crate::complain::Complaint;
+use lapwing_diag::suggest::nearest;
 
 /// What a library offers (`std.robot`), or what one of its patterns means (`std.robot.tracks`).
 pub fn page(name: &str) -> Result<String, Complaint> {

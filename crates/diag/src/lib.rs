@@ -9,6 +9,7 @@ mod code;
 mod diagnostic;
 mod render;
 mod source;
+pub mod suggest;
 
 pub use code::Code;
 pub use diagnostic::{Diagnostic, Label, Severity, has_errors};

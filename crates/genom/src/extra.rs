@@ -12,7 +12,7 @@
 use lapwing_diag::{Code, Diagnostic, FileId, SourceMap, Span};
 
 use crate::model::{Component, Link, Model, PortId, Role};
-use crate::names::{listed, nearest};
+use lapwing_diag::suggest::{listed, nearest};
 
 /// The words of a line, with their places.
 type Words<'t> = Vec<(&'t str, Span)>;

@@ -21,7 +21,6 @@ mod check;
 mod cpp;
 mod extra;
 mod lexer;
-mod names;
 mod parser;
 mod resolve;
 mod token;

@@ -106,12 +106,6 @@ impl Taken {
     }
 }
 
-/// What was probably meant by a name.
-pub(crate) fn nearest<'n>(name: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
-    let (far, near) = names.map(|n| (strsim::damerau_levenshtein(name, n), n)).min()?;
-    (far <= 1 + name.len() / 4).then_some(near)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

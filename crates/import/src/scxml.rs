@@ -9,9 +9,10 @@ use lapwing_diag::{Code, Diagnostic};
 
 use crate::Report;
 use crate::chart::{self, Arrow, Chart, Kind, MOST_ARROWS, MOST_NODES, Trigger};
-use crate::names::{nearest, slug};
+use crate::names::slug;
 use crate::sheet::Sheet;
 use crate::xml::{self, Element};
+use lapwing_diag::suggest::{nearest, or_else};
 
 /// Elements that do something or hold data.
 const CODE: &[&str] = &["onentry", "onexit", "datamodel", "script", "invoke", "donedata"];
@@ -112,7 +113,7 @@ impl Reader<'_> {
                 None => {
                     self.failed = true;
                     let guess = nearest(id, self.known.keys().map(String::as_str));
-                    let or_else = guess.map(|g| format!("; did you mean `{g}`?")).unwrap_or_default();
+                    let or_else = or_else(guess);
                     wrong(self.report, place, format!("there is no state `{id}`{or_else}"));
                 }
             }

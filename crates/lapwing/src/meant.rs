@@ -2,8 +2,8 @@
 //! found out at its end.
 
 use lapwing_check::checked::{self, EventSource, InputSource, Property, ReadOf};
-use lapwing_check::nearest;
 use lapwing_diag::Code;
+use lapwing_diag::suggest::nearest;
 use lapwing_engine::inputs::Inputs;
 use lapwing_react::Warning;
 use lapwing_stream::Value;

@@ -95,7 +95,7 @@ impl Parser<'_> {
             "invariant" => atom.invariants.push(self.invariant()?),
             "priority" => atom.priorities.push(self.atom_priority()?),
             found => {
-                let near = crate::suggest::nearest(found, STARTS.iter().copied());
+                let near = lapwing_diag::suggest::nearest(found, STARTS.iter().copied());
                 let message = format!("a part of an atom is expected here, and `{found}` begins none");
                 let diagnostic = Diagnostic::new(Code::Syntax, self.span(), message);
                 let diagnostic = match near {
@@ -139,7 +139,7 @@ impl Parser<'_> {
             self.advance();
             return Ok(unit);
         }
-        let near = crate::suggest::nearest(&found, TimeUnit::ALL.map(TimeUnit::word));
+        let near = lapwing_diag::suggest::nearest(&found, TimeUnit::ALL.map(TimeUnit::word));
         let diagnostic = Diagnostic::new(Code::UnknownUnit, self.span(), format!("`{found}` is no unit of time"));
         Err(self.report(match near {
             Some(near) => diagnostic.help(format!("did you mean `{near}`?")),

@@ -101,7 +101,8 @@ impl Parser<'_> {
             "atom" => one(DeclKind::Atom(self.atom_type()?)),
             "compound" => one(DeclKind::Compound(self.compound_type()?)),
             found => {
-                let near = crate::suggest::nearest(found, ["const", "extern", "port", "connector", "atom", "compound"]);
+                let near =
+                    lapwing_diag::suggest::nearest(found, ["const", "extern", "port", "connector", "atom", "compound"]);
                 let message = format!("a declaration is expected here, and `{found}` begins none");
                 let diagnostic = Diagnostic::new(Code::Syntax, self.span(), message);
                 Err(self.report(match near {

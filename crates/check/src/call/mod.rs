@@ -12,8 +12,8 @@ use lapwing_syntax::ast::{self, Ident};
 
 use crate::checked::{Dim, Expr, Func, Kind};
 use crate::context::{Cx, Env};
-use crate::suggest;
 use crate::term::Term;
+use lapwing_diag::suggest;
 
 /// Every function: its name, how it is called, and what reads such a call.
 const FUNCTIONS: &[(&str, &str, Reader)] = &[

@@ -7,7 +7,7 @@ use crate::checked::{Edge, Machine, State};
 use crate::context::{Cx, Env};
 use crate::names::Named;
 use crate::reads::Uses;
-use crate::suggest;
+use lapwing_diag::suggest;
 
 /// Builds all machines, in their order.
 pub(crate) fn build_all(cx: &mut Cx) {

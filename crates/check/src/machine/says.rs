@@ -108,8 +108,8 @@ pub(crate) fn entered_or_left(cx: &mut Cx, env: &Env, call: &Call) -> Option<Ter
     let Some(index) = cx.machine_named(&place, machine) else {
         let names: Vec<String> =
             (0..cx.machines.len()).filter_map(|i| cx.machines.get(i)).map(|e| e.name.clone()).collect();
-        let guess = crate::suggest::nearest(&machine.name, names.iter().map(String::as_str));
-        let message = format!("there is no state diagram `{}`{}", machine.name, crate::suggest::or_else(guess));
+        let guess = lapwing_diag::suggest::nearest(&machine.name, names.iter().map(String::as_str));
+        let message = format!("there is no state diagram `{}`{}", machine.name, lapwing_diag::suggest::or_else(guess));
         let mut diagnostic = Diagnostic::new(Code::UnknownName, machine.span, message).label("unknown");
         if let Some(guess) = guess {
             diagnostic = diagnostic.fix(machine.span, guess);

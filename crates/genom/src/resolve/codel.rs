@@ -8,7 +8,7 @@ use super::scope::ScopeId;
 use super::service::name_of;
 use crate::ast::{self, Direction, Source};
 use crate::model::{Codel, CodelParameter, Component, Object, Owner, PortId, Role, Service, Type};
-use crate::names::{listed, nearest};
+use lapwing_diag::suggest::{listed, nearest};
 
 /// Where a codel stands.
 pub(super) struct Place<'d, 'a> {

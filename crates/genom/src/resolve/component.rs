@@ -12,7 +12,7 @@ use crate::ast::{Order, ServiceKind, TimeProperty};
 use crate::model::{
     Codel, CodelId, CodelParameter, Component, Field, Object, Owner, Role, Service, ServiceId, Task, TaskId,
 };
-use crate::names::{listed, nearest};
+use lapwing_diag::suggest::{listed, nearest};
 
 impl<'a> Resolver<'a> {
     /// The component or interface.

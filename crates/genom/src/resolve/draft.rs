@@ -7,7 +7,7 @@ use super::scope::{GLOBAL, ScopeId};
 use super::types::nameless;
 use crate::ast::{self, AttributeParameter, Body, Export, Ident, Property, PropertyKind, Relation, ServiceKind};
 use crate::model::{Parameter, Port, Remote, TypeDefKind, TypeId};
-use crate::names::{listed, nearest};
+use lapwing_diag::suggest::{listed, nearest};
 
 /// A property, and the scope in which its names are looked up first.
 pub(super) type Said<'a> = (ScopeId, &'a Property);

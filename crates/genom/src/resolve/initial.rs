@@ -8,7 +8,7 @@ use super::scope::ScopeId;
 use crate::ast;
 use crate::ast::{Basic, Init, InitValue};
 use crate::model::{Step, Type, TypeDefKind, Value};
-use crate::names::listed;
+use lapwing_diag::suggest::listed;
 
 impl Resolver<'_> {
     /// The default that an initialiser gives to something of a type; `None` where it gives none.

@@ -7,7 +7,7 @@ use lapwing_diag::{Code, Diagnostic};
 use super::Resolver;
 use crate::ast;
 use crate::model::{Codel, CodelId, Component, Owner, Role, Target, Transition};
-use crate::names::{listed, nearest};
+use lapwing_diag::suggest::{listed, nearest};
 
 impl Resolver<'_> {
     /// Looks up what the codels from `first` on yield. `written` are the same codels as they were written.

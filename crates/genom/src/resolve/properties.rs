@@ -192,7 +192,7 @@ impl<'a> Resolver<'a> {
         let is_exception = |t: &&TypeDef| matches!(t.kind, TypeDefKind::Exception(_));
         let names: Vec<String> =
             self.types.iter().filter(is_exception).filter_map(|t| t.path.last().cloned()).collect();
-        let near = crate::names::nearest(&text, names.iter().map(String::as_str));
+        let near = lapwing_diag::suggest::nearest(&text, names.iter().map(String::as_str));
         let help = match near {
             Some(near) => format!("did you mean `{near}`?"),
             None => format!("declare it: `exception {text};`"),

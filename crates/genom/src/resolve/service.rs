@@ -7,7 +7,7 @@ use super::draft::{Draft, ServiceDraft};
 use super::scope::ScopeId;
 use crate::ast::{self, AttributeParameter};
 use crate::model::{Parameter, Step, Type};
-use crate::names::{listed, nearest};
+use lapwing_diag::suggest::{listed, nearest};
 
 impl<'a> Resolver<'a> {
     pub(super) fn service(&mut self, draft: &mut Draft<'a>, service: &'a ast::Service) {

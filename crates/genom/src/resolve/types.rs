@@ -294,7 +294,7 @@ impl Resolver<'_> {
             return;
         }
         let text = name.text();
-        let near = crate::names::nearest(&text, self.scopes.names(scope)).map(str::to_owned);
+        let near = lapwing_diag::suggest::nearest(&text, self.scopes.names(scope)).map(str::to_owned);
         let mut diagnostic = Diagnostic::new(Code::UnknownName, name.span(), format!("no {what} is called `{text}`"));
         if let Some(near) = near {
             diagnostic = diagnostic.help(format!("did you mean `{near}`?"));

@@ -10,7 +10,7 @@ use lapwing_diag::{Code, Diagnostic};
 use super::automaton::{Automaton, MOST_STATES};
 use super::cursor::Cursor;
 use crate::Report;
-use crate::names::nearest;
+use lapwing_diag::suggest::{nearest, or_else};
 
 /// Expressions nest no deeper, and have no more parts; nor has what is left of them.
 const MOST_DEPTH: usize = 40;
@@ -235,7 +235,7 @@ impl Reader<'_> {
             "empty" => Some(Never),
             text => {
                 let guess = nearest(text, self.events.iter().copied());
-                let or_else = guess.map(|g| format!("; did you mean `{g}`?")).unwrap_or_default();
+                let or_else = or_else(guess);
                 self.wrong(&start, &format!("an event, and `{text}` is none{or_else}"))
             }
         }

@@ -8,7 +8,7 @@ use lapwing_diag::{Code, Diagnostic};
 use super::automaton::{Automaton, MOST_STATES};
 use super::cursor::{Cursor, Name};
 use crate::Report;
-use crate::names::nearest;
+use lapwing_diag::suggest::{nearest, or_else};
 
 /// A machine that was read.
 pub(super) struct Fsm {
@@ -140,7 +140,7 @@ fn wrong(report: &mut Report, cursor: &Cursor<'_>, expected: &str) {
 
 fn unknown<'n>(report: &mut Report, what: &str, name: &Name, names: impl Iterator<Item = &'n str>) {
     let span = report.span(name.place.start, name.place.end);
-    let or_else = nearest(&name.text, names).map(|g| format!("; did you mean `{g}`?")).unwrap_or_default();
+    let or_else = or_else(nearest(&name.text, names));
     let message = format!("there is no {what} `{}`{or_else}", name.text);
     report.push(Diagnostic::new(Code::ImportSyntax, span, message).label("the property is left out"));
 }

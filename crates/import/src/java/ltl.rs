@@ -7,8 +7,8 @@ use lapwing_diag::{Code, Diagnostic};
 use lapwing_syntax::ast::{Binary, Expr, ExprKind, Infix, Prefix};
 
 use super::cursor::Cursor;
-use crate::names::nearest;
 use crate::{Report, expr};
+use lapwing_diag::suggest::{nearest, or_else};
 
 /// Formulas nest no deeper.
 const MOST_DEPTH: usize = 40;
@@ -174,7 +174,7 @@ impl Reader<'_, '_> {
         }
         let span = self.report.span(name.place.start, name.place.end);
         let guess = nearest(&name.text, self.alphabet.names.iter().copied());
-        let or_else = guess.map(|g| format!("; did you mean `{g}`?")).unwrap_or_default();
+        let or_else = or_else(guess);
         let message = format!("the monitor has no event `{}`{or_else}", name.text);
         self.report.push(Diagnostic::new(Code::ImportSyntax, span, message).label("the property is left out"));
         None

@@ -4,7 +4,7 @@
 pub fn nearest<'a>(wanted: &str, among: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let (exact, wanted) = (wanted, wanted.to_lowercase());
     let mut best: Option<(f64, &str)> = None;
-    for candidate in among.into_iter().filter(|c| *c != exact) {
+    for candidate in among.into_iter().filter(|c| *c != exact).take(MOST) {
         let score = likeness(&wanted, &candidate.to_lowercase());
         if score > NEAR && best.is_none_or(|(b, _)| score > b) {
             best = Some((score, candidate));
@@ -16,8 +16,10 @@ pub fn nearest<'a>(wanted: &str, among: impl IntoIterator<Item = &'a str>) -> Op
 /// Names less alike than this are not proposed.
 const NEAR: f64 = 0.66;
 
-/// Names longer than this are compared by their beginnings only.
+/// Names longer than this are compared by their beginnings only, and no more names than this are looked at: they come from files of strangers, and a
+/// comparison takes as many steps as the lengths multiplied.
 const LONGEST: usize = 100;
+const MOST: usize = 2_000;
 
 /// From 0 to 1. Slips of the finger count little, whatever their kind; a name that is the other's whole last part counts as near.
 fn likeness(a: &str, b: &str) -> f64 {
@@ -31,13 +33,16 @@ fn likeness(a: &str, b: &str) -> f64 {
 }
 
 /// The end of a message: `; did you mean `x`?`, or nothing.
-pub(crate) fn or_else(found: Option<&str>) -> String {
+pub fn or_else(found: Option<&str>) -> String {
     found.map(|name| format!("; did you mean `{name}`?")).unwrap_or_default()
 }
 
-/// The first of many names, for a line of help.
-pub(crate) fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+/// The first of many names, for a line of help; `none` where there are none.
+pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let names: Vec<&str> = names.into_iter().collect();
+    if names.is_empty() {
+        return "none".to_owned();
+    }
     let shown = names.iter().take(12).map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ");
     if names.len() > 12 { format!("{shown}, and {} more", names.len() - 12) } else { shown }
 }
