@@ -139,7 +139,9 @@ impl Course<'_> {
                 };
                 let shift = post.shifts.iter().find(|shift| shift.owned.contains(&blank.name));
                 let standing = shift.map(|shift| shift.run.standing(&blank.name)).unwrap_or_default();
-                let of_topic = |topic| self.causes_now(topic).map(move |cause| format!("{topic}: {cause}"));
+                let of_topic = |topic: &String| -> Vec<String> {
+                    self.causes_now(topic).map(|cause| format!("{topic}: {cause}")).collect()
+                };
                 let mut causes: Vec<String> = topics.iter().flat_map(of_topic).collect();
                 causes.extend(standing.spoilt.then(|| SPOILT.to_owned()));
                 let state = match () {
