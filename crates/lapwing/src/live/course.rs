@@ -13,7 +13,7 @@ use lapwing_record::RawChannel;
 use lapwing_stream::{Duration, Time};
 
 use super::blind::Ledger;
-use super::graph::Graph;
+use super::graph::{Graph, Stream};
 use super::order::Order;
 use super::post::Post;
 use super::rhythm::{Rhythm, Silence};
@@ -302,7 +302,7 @@ impl<'s> Course<'s> {
             self.refresh(at, watch);
         }
         self.graph.message(stream, at, payload);
-        let Course { posts, graph, .. } = self;
+        let Course { posts, graph, rhythms, .. } = self;
         let (mut is_read, mut fault) = (false, None);
         for shift in posts.iter_mut().flat_map(|post| &mut post.shifts) {
             match shift.message(graph, at, stream, payload) {
@@ -310,11 +310,13 @@ impl<'s> Course<'s> {
                 Err(why) => fault = Some(why),
             }
         }
-        let Some(topic) = graph.get(stream).filter(|s| is_read && !s.latched).map(|s| s.topic.clone()) else {
-            return self.undecodable(at, stream, fault, is_read, watch);
-        };
-        let silence = self.rhythms.entry(topic.clone()).or_default().heard(at);
-        if let Some(silent) = silence {
+        let Some(Stream { topic, latched, .. }) = graph.get(stream) else { return };
+        // What is handed to those who come late has no rhythm.
+        if is_read
+            && !latched
+            && let Some(silent) = heard(rhythms, topic, at)
+        {
+            let topic = topic.clone();
             let message = format!("{topic} is back after {} of silence", brief(silent));
             self.warn_of(at, Some(&topic), SILENCE, message, watch);
         }
@@ -323,14 +325,12 @@ impl<'s> Course<'s> {
 
     /// A message that cannot be decoded blinds, until one can.
     fn undecodable(&mut self, at: Time, stream: u32, fault: Option<String>, is_read: bool, watch: &mut dyn Watch) {
-        let Some(topic) = self.graph.get(stream).map(|s| s.topic.clone()) else { return };
-        match fault {
-            Some(why) if !self.ledger.is_open(&topic, Kind::Undecodable) => {
-                self.blind(at, Some(topic), Cause::new(Kind::Undecodable, why), watch);
-            }
-            None if is_read && self.ledger.is_open(&topic, Kind::Undecodable) => {
-                let causes: Vec<Cause> =
-                    self.ledger.now(&topic).filter(|c| c.kind == Kind::Undecodable).cloned().collect();
+        let Some(Stream { topic, .. }) = self.graph.get(stream) else { return };
+        match (fault, self.ledger.is_open(topic, Kind::Undecodable)) {
+            (Some(why), false) => self.blind(at, Some(topic.clone()), Cause::new(Kind::Undecodable, why), watch),
+            (None, true) if is_read => {
+                let (topic, now) = (topic.clone(), self.ledger.now(topic));
+                let causes: Vec<Cause> = now.filter(|c| c.kind == Kind::Undecodable).cloned().collect();
                 causes.into_iter().for_each(|cause| self.sees(at, Some(topic.clone()), &cause, watch));
             }
             _ => {}
@@ -525,6 +525,15 @@ impl<'s> Course<'s> {
             (topic.messages, topic.unseen) = (messages.unwrap_or_default(), unseen.unwrap_or_default());
         }
         topics
+    }
+}
+
+/// A message of a topic came. Gives how long the silence before it was, where it had been told.
+fn heard(rhythms: &mut BTreeMap<String, Rhythm>, topic: &str, at: Time) -> Option<Duration> {
+    // An entry would take a copy of the name for each message.
+    match rhythms.get_mut(topic) {
+        Some(rhythm) => rhythm.heard(at),
+        None => rhythms.entry(topic.to_owned()).or_default().heard(at),
     }
 }
 
