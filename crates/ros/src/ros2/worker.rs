@@ -100,7 +100,10 @@ pub struct Worker {
     next_token: usize,
     looked: Instant,
     swept: Instant,
+    told: Instant,
     is_changed: bool,
+    /// Whether something was learnt that may blind a topic, or let it be seen.
+    is_news: bool,
 }
 
 impl Worker {
@@ -134,7 +137,9 @@ impl Worker {
             next_token: FIRST,
             looked: Instant::now(),
             swept: Instant::now(),
+            told: Instant::now(),
             is_changed: true,
+            is_news: false,
         };
         Ok((worker, waker))
     }
@@ -161,6 +166,14 @@ impl Worker {
                 self.look(now);
             }
             self.tend_calls(now);
+            self.tell(now);
+        }
+    }
+
+    /// Tells what can be seen and what cannot: at once where something was learnt, and now and then, for patience ends by time alone.
+    fn tell(&mut self, now: Instant) {
+        if self.is_news || now >= self.told + BUSY {
+            (self.told, self.is_news) = (now, false);
             self.catalogue.tell(now).into_iter().for_each(|what| self.inbox.push(what));
         }
     }
@@ -181,7 +194,7 @@ impl Worker {
             match self.commands.try_recv() {
                 Ok(Command::Subscribe(topics)) => {
                     self.catalogue.want(&topics, Instant::now());
-                    self.is_changed = true;
+                    (self.is_changed, self.is_news) = (true, true);
                 }
                 Ok(Command::Call { id, service, type_name, request, deadline }) => {
                     if let Err(Refused(why)) = self.call(Purpose::Call(id), (&service, &type_name), request, deadline) {
@@ -260,7 +273,7 @@ impl Worker {
 
     /// Compares the graph with what was known of it, and does what follows from that.
     fn look(&mut self, now: Instant) {
-        (self.looked, self.is_changed) = (now, false);
+        (self.looked, self.is_changed, self.is_news) = (now, false, true);
         let writers = self.wire.writers();
         let readers = self.wire.readers();
         let found = writers.iter().filter_map(|w| self.publisher(w)).collect();
@@ -316,6 +329,7 @@ impl Worker {
         now: Instant,
     ) {
         self.catalogue.searched(stream, result, now).into_iter().for_each(|what| self.inbox.push(what));
+        self.is_news = true;
         self.open_feeds();
     }
 
