@@ -8,8 +8,8 @@ use std::io::BufWriter;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use lapwing_record::{Converter, Decoder, Dialect, Encoding as Bytes, Layout, Library, MessageType, RawChannel};
-use lapwing_ros::connector::{Arrival, Connector, Definition, Encoding, Happening, Offer, PublisherId, StreamId};
+use lapwing_record::{Converter, Decoder, Dialect, Encoding, Layout, Library, MessageType, RawChannel};
+use lapwing_ros::connector::{Arrival, Connector, Definition, Happening, Offer, PublisherId, StreamId};
 use lapwing_sim::message::Kind;
 use lapwing_sim::{Recorder, Scenario, Simulation};
 use lapwing_stream::Value;
@@ -236,7 +236,7 @@ fn outlet(graph: &mut dyn Connector, topic: &str, kind: Kind) -> Result<Outlet, 
         messages: if to.is_some() { "ros1" } else { "cdr" }.to_owned(),
         ty: Ok(ty),
     };
-    let converter = to.map(|to| Converter::new(&MessageType::Cdr(own.layout.clone()), to, Bytes::Ros1)).transpose();
+    let converter = to.map(|to| Converter::new(&MessageType::Cdr(own.layout.clone()), to, Encoding::Ros1)).transpose();
     let publisher = graph.advertise(&channel, false).map_err(|refused| complain(refused.to_string()))?;
     Ok(Outlet { publisher, converter: converter.map_err(|e| complain(e.to_string()))? })
 }

@@ -61,6 +61,25 @@ pub struct PropertyView {
     pub plots: Vec<Plot>,
 }
 
+impl PropertyView {
+    /// How it stands in a `diagnostic_msgs/DiagnosticStatus`: its level (0 is OK, 1 WARN, 2 ERROR, 3 STALE) and its message.
+    pub fn diagnosis(&self) -> (u8, String) {
+        let level = match self.state {
+            StateNow::Good => 0,
+            StateNow::Waiting => 1,
+            StateNow::Violated => 2,
+            StateNow::Blind => 3,
+        };
+        let message = match (&self.cause, self.violations) {
+            (Some(cause), _) => cause.clone(),
+            (None, 0) => self.state.word().to_owned(),
+            (None, 1) => "violated once".to_owned(),
+            (None, n) => format!("violated {n} times"),
+        };
+        (level, message)
+    }
+}
+
 /// What a signal did since the view before.
 #[derive(Clone, Debug)]
 pub struct TrackView {
