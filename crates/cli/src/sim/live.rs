@@ -250,3 +250,66 @@ fn as_ros1(graph: &mut dyn Connector, kind: Kind, own: &str) -> Result<(String, 
     let layout = Library::default().layout(Dialect::Ros1, kind.name(), &definition).map_err(|e| e.to_string())?;
     Ok((definition, layout))
 }
+
+#[cfg(test)]
+mod tests {
+    use lapwing_ros::connector::{CallId, Refused};
+    use lapwing_stream::Time;
+
+    use super::*;
+
+    /// A graph on which so many things have come already.
+    struct Flood(usize);
+
+    impl Connector for Flood {
+        fn name(&self) -> String {
+            "a flood".to_owned()
+        }
+
+        fn encoding(&self) -> Encoding {
+            Encoding::Cdr
+        }
+
+        fn now(&self) -> Time {
+            Time(0)
+        }
+
+        fn subscribe(&mut self, _: &[String]) {}
+
+        fn next(&mut self, _: Duration) -> Option<Arrival> {
+            self.0 = self.0.checked_sub(1)?;
+            Some(Arrival { at: Time(0), what: Happening::Lost { stream: StreamId(0), count: 1 } })
+        }
+
+        fn advertise(&mut self, _: &RawChannel, _: bool) -> Result<PublisherId, Refused> {
+            Ok(PublisherId(0))
+        }
+
+        fn publish(&mut self, _: PublisherId, _: &[u8]) -> Result<(), Refused> {
+            Ok(())
+        }
+
+        fn call(&mut self, _: &str, _: &str, _: &[u8], _: Duration) -> Result<CallId, Refused> {
+            Err(Refused("there are no services here".to_owned()))
+        }
+
+        fn definition(&mut self, type_name: &str) -> Result<Definition, Refused> {
+            Err(Refused(format!("nobody knows {type_name} here")))
+        }
+    }
+
+    fn listening(graph: &mut dyn Connector) -> Node<'_> {
+        Node { graph, outlets: Vec::new(), ears: Vec::new(), heard: BTreeMap::new(), is_quiet: true }
+    }
+
+    #[test]
+    fn a_flood_of_messages_does_not_stop_the_time_of_the_simulator() {
+        let scenario = Scenario::bundled("docking").unwrap().unwrap();
+        let mut simulation = Simulation::new(&scenario, &lapwing_sim::Options::default());
+        let mut flood = Flood(TURN + 100);
+        assert!(listening(&mut flood).listen(Instant::now(), &mut simulation));
+        assert_eq!(flood.0, 100, "a turn was heard");
+        assert!(listening(&mut flood).listen(Instant::now(), &mut simulation));
+        assert_eq!(flood.0, 0, "and the rest of what had come");
+    }
+}
