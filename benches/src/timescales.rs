@@ -2,7 +2,9 @@
 //!
 //! Booleans p, q, r, s at discrete steps; non-strict operators, closed windows cut at step 0; `a` is three tenths of `b`.
 
-/// One step's values: p, q, r, s.
+/// The columns of a row.
+pub const COLUMNS: [&str; 4] = ["p", "q", "r", "s"];
+/// One step's values.
 pub type Row = [bool; 4];
 
 /// A property of the benchmark.
