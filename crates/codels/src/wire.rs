@@ -275,7 +275,7 @@ mod tests {
         let few = Type::Sequence(Box::new(Type::Basic(Basic::Short)), Some(3));
         let fields = vec![field("x", Type::Basic(Basic::Double)), field("t", Type::Text(None)), field("few", few)];
         let def = TypeDef { path: vec!["s".to_owned()], kind: TypeDefKind::Struct(fields), span: Default::default() };
-        let types = Types::new(&Model { types: vec![def], ..Model::default() });
+        let types = Types::new(&Model { types: vec![def], ..Model::default() }).unwrap();
         let ty = Type::Named(TypeId(0));
         let argument =
             |name: &str, direction, value| Argument { name: name.to_owned(), direction, ty: ty.clone(), value };

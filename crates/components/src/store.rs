@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use lapwing_genom::model::{
-    Codel, CodelParameter, Component, Direction, Model, Object, Owner, PortId, Service, Step, Type,
+    Codel, CodelParameter, Component, Direction, Model, Object, Owner, PortId, Service, Step, Type, TypeId,
 };
 use lapwing_stream::{Duration, Time};
 
 use crate::codel::{Argument, Call, Held, Trouble};
 use crate::datum::Datum;
-use crate::types::{MOST_PARTS, Types};
+use crate::types::Types;
 
 /// What a codel has written to a port: whose, which one of several under its name, and the value.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,25 +58,9 @@ impl Store {
     ///
     /// A type is too large to be kept.
     pub fn new(model: Arc<Model>) -> Result<Store, String> {
-        let types = Types::new(&model);
-        let mut ids = Vec::new();
-        for component in &model.components {
-            let all = component.services.iter().flat_map(|s| {
-                let parameters = s.parameters.iter().filter_map(|p| p.ty.as_ref());
-                parameters.chain(s.locals.iter().map(|l| &l.ty))
-            });
-            let own = component.ids.map(Type::Named);
-            for ty in component.ports.iter().map(|p| &p.ty).chain(all).chain(&own) {
-                if types.parts(ty) > MOST_PARTS {
-                    let name = types.type_name(ty);
-                    return Err(format!(
-                        "`{}` of `{}` has more than {MOST_PARTS} parts, and cannot be kept",
-                        name, component.name
-                    ));
-                }
-            }
-            ids.push(own.map(|ty| (ty.clone(), types.initial(&ty))));
-        }
+        let types = Types::new(&model)?;
+        let first = |ids: TypeId| (Type::Named(ids), types.initial(&Type::Named(ids)));
+        let ids = model.components.iter().map(|c| c.ids.map(first)).collect();
         Ok(Store {
             ids,
             ports: model.components.iter().map(|c| vec![BTreeMap::new(); c.ports.len()]).collect(),

@@ -1,18 +1,24 @@
 //! The types of a specification at work: first values, ways into values, whether a value fits, and how monitors and recordings see it.
 
+mod outline;
+mod size;
+
 use std::sync::Arc;
 
-use lapwing_genom::model::{Basic, Field, Label, Model, Step, Type, TypeDef, TypeDefKind, TypeId, Value as Default};
+use lapwing_genom::model::{Basic, Component, Field, Label, Model, Step, Type, TypeDef, TypeDefKind, TypeId, Value as Default};
 use lapwing_stream as stream;
 use lapwing_stream::Name;
 
 use crate::datum::Datum;
 
+use outline::Outline;
+use size::Sizes;
+
 /// Types inside types beyond this depth are not looked into.
 const MOST_DEPTH: usize = 64;
 
-/// A value of a fixed size has no more parts than this.
-pub const MOST_PARTS: u64 = 1 << 20;
+/// A value has no more parts than this at first.
+const MOST_PARTS: u64 = 1 << 20;
 
 /// The types that have names.
 #[derive(Clone, Debug, Default)]
@@ -121,8 +127,24 @@ impl Types {
     }
 
     /// Those of a model.
-    pub fn new(model: &Model) -> Types {
-        Types { defs: model.types.clone().into() }
+    ///
+    /// # Errors
+    ///
+    /// A first value of a type that a component needs would be too large to be kept, or would contain itself: which, in words.
+    pub fn new(model: &Model) -> Result<Types, String> {
+        let types = Types { defs: model.types.clone().into() };
+        let all: Vec<(&Component, Type)> =
+            model.components.iter().flat_map(|c| needed(c).into_iter().map(move |ty| (c, ty))).collect();
+        let mut sizes = Sizes::new(&types);
+        if let Some((component, ty)) = all.iter().find(|(_, ty)| !sizes.are_fair(ty)) {
+            return Err(format!(
+                "a value of `{}` of `{}` has more than {MOST_PARTS} parts, or contains itself, and cannot be kept",
+                types.type_name(ty),
+                component.name
+            ));
+        }
+        drop(sizes);
+        Ok(types)
     }
 
     pub(crate) fn shape<'t>(&'t self, ty: &'t Type) -> Shape<'t> {
@@ -156,25 +178,7 @@ impl Types {
         self.defs.get(id.0)
     }
 
-    /// Of how many parts a first value consists; a sequence is empty at first.
-    pub(crate) fn parts(&self, ty: &Type) -> u64 {
-        self.parts_below(ty, 0)
-    }
-
-    fn parts_below(&self, ty: &Type, depth: usize) -> u64 {
-        if depth > MOST_DEPTH {
-            return u64::MAX;
-        }
-        match self.shape(ty) {
-            Shape::Array(inner, length) => length.saturating_mul(self.parts_below(inner, depth + 1)).saturating_add(1),
-            Shape::Struct(fields) => {
-                fields.iter().fold(1, |sum: u64, field| sum.saturating_add(self.parts_below(&field.ty, depth + 1)))
-            }
-            _ => 1,
-        }
-    }
-
-    /// The first value of a type: zeros, empty texts and sequences, nothing. Call it only where [`Types::parts`] is within [`MOST_PARTS`].
+    /// The first value of a type that a component of the model needs: zeros, empty texts and sequences, nothing.
     pub fn initial(&self, ty: &Type) -> Datum {
         match self.shape(ty) {
             Shape::Bool => Datum::Bool(false),
@@ -304,8 +308,9 @@ impl Types {
                         (step, self.shape(ty), &mut whole)
                     {
                         let wanted = usize::try_from(*n).unwrap_or(usize::MAX).saturating_add(1);
-                        if wanted as u64 <= MOST_PARTS && items.len() < wanted {
-                            items.resize(wanted, self.initial(inner));
+                        let one = self.initial(inner);
+                        if items.len() < wanted && (wanted as u64).saturating_mul(one.parts()) <= MOST_PARTS {
+                            items.resize(wanted, one);
                         }
                     }
                     let Ok((way, inner)) = self.way(ty, std::slice::from_ref(step)) else { continue };
@@ -320,33 +325,7 @@ impl Types {
 
     /// The type of messages as monitors know types.
     pub(crate) fn stream_type(&self, ty: &Type) -> stream::Type {
-        self.stream_type_below(ty, 0)
-    }
-
-    fn stream_type_below(&self, ty: &Type, depth: usize) -> stream::Type {
-        if depth > MOST_DEPTH {
-            return stream::Type::Any;
-        }
-        match self.shape(ty) {
-            Shape::Bool => stream::Type::Bool,
-            Shape::Int(..) | Shape::Native => stream::Type::Num { float: false },
-            Shape::Float => stream::Type::Num { float: true },
-            Shape::Text(_) | Shape::Enum(_) => stream::Type::Str,
-            Shape::Array(inner, _) | Shape::Sequence(inner, _) => {
-                stream::Type::Array(Box::new(self.stream_type_below(inner, depth + 1)))
-            }
-            Shape::Optional(inner) => self.stream_type_below(inner, depth + 1),
-            Shape::Struct(fields) => {
-                let one = |field: &Field| stream::Field {
-                    name: field.name.as_str().into(),
-                    ty: self.stream_type_below(&field.ty, depth + 1),
-                };
-                let name = self.type_name(ty);
-                let fields = fields.iter().map(one).collect();
-                stream::Type::Message(Arc::new(stream::Schema { name, fields, constants: Vec::new() }))
-            }
-            Shape::Union(..) | Shape::Other(_) => stream::Type::Any,
-        }
+        Outline::new(self).ty(ty, 0)
     }
 
     /// What messages of a type are called: `nav/scan`.
@@ -404,6 +383,14 @@ fn label(labels: &[Label]) -> i128 {
         _ => None,
     });
     number.unwrap_or(0)
+}
+
+/// The types of which a component keeps values.
+fn needed(component: &Component) -> Vec<Type> {
+    let parameters = component.services.iter().flat_map(|s| s.parameters.iter().filter_map(|p| p.ty.clone()));
+    let locals = component.services.iter().flat_map(|s| s.locals.iter().map(|l| l.ty.clone()));
+    let ports = component.ports.iter().map(|p| p.ty.clone());
+    ports.chain(parameters).chain(locals).chain(component.ids.map(Type::Named)).collect()
 }
 
 fn of_basic(basic: Basic) -> Shape<'static> {
