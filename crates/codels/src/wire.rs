@@ -74,10 +74,15 @@ fn write(types: &Types, ty: &Type, datum: &Datum, out: &mut Vec<u8>) -> Result<(
             out.push(u8::from(value.is_some()));
             value.iter().try_for_each(|value| write(types, &inner, value, out))
         }
-        (Layout::Union(cases), Datum::Union(tag, Some((number, value)))) => {
-            out.extend(i64::try_from(*tag).unwrap_or(0).to_ne_bytes());
-            let inner = cases.get(*number).ok_or("a union without that member")?;
-            write(types, &inner.1, value, out)
+        (Layout::Union(cases), Datum::Union(tag, value)) => {
+            let there = member(&cases, *tag);
+            let tag = i64::try_from(*tag).map_err(|_| format!("a union of {tag} has no form in C"))?;
+            out.extend(tag.to_ne_bytes());
+            match (there, value) {
+                (None, None) => Ok(()),
+                (Some((wanted, ty)), Some((number, value))) if wanted == *number => write(types, ty, value, out),
+                _ => Err(format!("a union of {tag} has another member there")),
+            }
         }
         (Layout::Native, Datum::Native(handle)) => {
             out.extend(handle.to_ne_bytes());
@@ -85,6 +90,13 @@ fn write(types: &Types, ty: &Type, datum: &Datum, out: &mut Vec<u8>) -> Result<(
         }
         (_, other) => Err(format!("a value has no form in C: {other:?}")),
     }
+}
+
+/// The member of a union that is there: its number and its type. There may be none.
+fn member(cases: &[(Vec<i128>, Type)], tag: i128) -> Option<(usize, &Type)> {
+    let labelled = cases.iter().position(|(tags, _)| tags.contains(&tag));
+    let number = labelled.or_else(|| cases.iter().position(|(tags, _)| tags.is_empty()))?;
+    cases.get(number).map(|(_, ty)| (number, ty))
 }
 
 fn basic_out(basic: Basic, datum: &Datum, out: &mut Vec<u8>) -> Result<(), String> {
@@ -197,7 +209,13 @@ impl Reader<'_> {
         }
         Ok(match self.types.layout(ty) {
             Layout::Basic(basic) => self.basic(basic)?,
-            Layout::Text(_) => Datum::Text(self.text()?),
+            Layout::Text(most) => {
+                let text = self.text()?;
+                if most.is_some_and(|most| text.len() as u64 > most) {
+                    return Err(format!("a text has {} bytes, which are too many", text.len()));
+                }
+                Datum::Text(text)
+            }
             Layout::Enum(count) => {
                 let number = u32::from_ne_bytes(self.take()?);
                 if number as usize >= count {
@@ -227,15 +245,11 @@ impl Reader<'_> {
             },
             Layout::Union(cases) => {
                 let tag = i128::from(i64::from_ne_bytes(self.take()?));
-                let has = |tags: &[i128]| tags.contains(&tag);
-                let found = cases.iter().position(|(tags, _)| has(tags));
-                let found = found.or_else(|| cases.iter().position(|(tags, _)| tags.is_empty()));
-                match found.and_then(|number| Some((number, cases.get(number)?))) {
-                    Some((number, (_, inner))) => {
-                        Datum::Union(tag, Some((number, Box::new(self.value(inner, depth + 1)?))))
-                    }
-                    None => Datum::Union(tag, None),
-                }
+                let value = match member(&cases, tag) {
+                    Some((number, inner)) => Some((number, Box::new(self.value(inner, depth + 1)?))),
+                    None => None,
+                };
+                Datum::Union(tag, value)
             }
             Layout::Native => Datum::Native(self.u64()?),
             Layout::Other(what) => return Err(format!("{what} has no form in C")),

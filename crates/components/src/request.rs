@@ -188,7 +188,7 @@ fn value(types: &Types, ty: &lapwing_genom::model::Type, base: Datum, literal: L
             let items = items.into_iter().map(|item| value(types, &inner, types.initial(&inner), item));
             types.fit(ty, Datum::List(items.collect::<Result<_, _>>()?))
         }
-        Literal::Parts(mut parts) if matches!(types.shape(ty), crate::types::Shape::Union(_)) => {
+        Literal::Parts(mut parts) if matches!(types.shape(ty), crate::types::Shape::Union(..)) => {
             let (Some((name, part)), true) = (parts.pop(), parts.is_empty()) else {
                 return Err("a union has one member at a time".to_owned());
             };

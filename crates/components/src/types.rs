@@ -3,6 +3,7 @@
 mod outline;
 mod size;
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use lapwing_genom::model::{Basic, Component, Field, Label, Model, Step, Type, TypeDef, TypeDefKind, TypeId, Value as Default};
@@ -38,7 +39,8 @@ pub(crate) enum Shape<'t> {
     Array(&'t Type, u64),
     Optional(&'t Type),
     Struct(&'t [Field]),
-    Union(&'t [(Vec<Label>, Field)]),
+    /// By the values of a type; a member for each of some of them.
+    Union(&'t Type, &'t [(Vec<Label>, Field)]),
     Enum(&'t [String]),
     Native,
     /// What cannot be a value here, in words.
@@ -79,7 +81,6 @@ impl Types {
                 Type::Basic(basic) => return Layout::Basic(*basic),
                 Type::Named(id) => match self.def(*id).map(|d| &d.kind) {
                     Some(TypeDefKind::Alias(inner)) => bottom = inner,
-                    Some(TypeDefKind::Union(on, cases)) => return Layout::Union(self.cases(on, cases)),
                     _ => break,
                 },
                 _ => break,
@@ -96,34 +97,44 @@ impl Types {
             // A number with a fixed point is kept as a double.
             Shape::Float => Layout::Basic(Basic::Double),
             Shape::Other(what) => Layout::Other(what),
-            Shape::Bool | Shape::Int(..) | Shape::Union(_) => Layout::Other("a type that is defined by itself"),
+            Shape::Union(on, cases) => {
+                Layout::Union(cases.iter().map(|(labels, f)| (self.tags(on, labels), f.ty.clone())).collect())
+            }
+            Shape::Bool | Shape::Int(..) => Layout::Other("a type that is defined by itself"),
         }
     }
 
-    fn cases(&self, on: &Type, cases: &[(Vec<Label>, Field)]) -> Vec<(Vec<i128>, Type)> {
+    /// The values that tell that a member of a union is there; none for all that no other member has.
+    fn tags(&self, on: &Type, labels: &[Label]) -> Vec<i128> {
+        if labels.contains(&Label::Default) {
+            return Vec::new();
+        }
         let number = |label: &Label| match (label, self.shape(on)) {
             (Label::Int(value), _) => Some(*value),
             (Label::Name(name), Shape::Enum(names)) => names.iter().position(|n| n == name).map(|n| n as i128),
             _ => None,
         };
-        let one =
-            |(labels, field): &(Vec<Label>, Field)| (labels.iter().filter_map(number).collect(), field.ty.clone());
-        cases.iter().map(one).collect()
+        labels.iter().filter_map(number).collect()
+    }
+
+    /// A value that tells that a member of a union is there: its first, or the least that no other member has.
+    fn tag(&self, on: &Type, cases: &[(Vec<Label>, Field)], number: usize) -> i128 {
+        let own = cases.get(number).and_then(|(labels, _)| self.tags(on, labels).first().copied());
+        own.unwrap_or_else(|| {
+            let taken: BTreeSet<i128> = cases.iter().flat_map(|(labels, _)| self.tags(on, labels)).collect();
+            (0..).find(|tag| !taken.contains(tag)).unwrap_or(0)
+        })
     }
 
     /// The member of a union by its name: a value that tells that it is there, its number, and its type.
     pub(crate) fn case(&self, ty: &Type, name: &str) -> Result<(i128, usize, Type), String> {
-        let Layout::Union(cases) = self.layout(ty) else { return Err("it is no union".to_owned()) };
-        let Shape::Union(fields) = self.shape(ty) else { return Err("it is no union".to_owned()) };
-        let number = fields.iter().position(|(_, field)| field.name == name).ok_or_else(|| {
-            let names: Vec<&str> = fields.iter().map(|(_, field)| field.name.as_str()).collect();
+        let Shape::Union(on, cases) = self.shape(ty) else { return Err("it is no union".to_owned()) };
+        let found = cases.iter().enumerate().find(|(_, (_, field))| field.name == name);
+        let (number, (_, field)) = found.ok_or_else(|| {
+            let names: Vec<&str> = cases.iter().map(|(_, field)| field.name.as_str()).collect();
             format!("there is no `{name}` in it; there are {}", names.join(", "))
         })?;
-        let (tags, inner) = cases.get(number).cloned().ok_or("it is no union")?;
-        // The member for all other values is told by the least value that no other member has.
-        let is_taken = |tag: &i128| cases.iter().any(|(tags, _)| tags.contains(tag));
-        let tag = tags.first().copied().or_else(|| (0..=MOST_PARTS.into()).find(|tag| !is_taken(tag)));
-        Ok((tag.unwrap_or(0), number, inner))
+        Ok((self.tag(on, cases, number), number, field.ty.clone()))
     }
 
     /// Those of a model.
@@ -163,7 +174,7 @@ impl Types {
                         continue;
                     }
                     Some(TypeDefKind::Struct(fields) | TypeDefKind::Exception(fields)) => Shape::Struct(fields),
-                    Some(TypeDefKind::Union(_, cases)) => Shape::Union(cases),
+                    Some(TypeDefKind::Union(on, cases)) => Shape::Union(on, cases),
                     Some(TypeDefKind::Enum(names)) => Shape::Enum(names),
                     Some(TypeDefKind::Native) => Shape::Native,
                     Some(TypeDefKind::Forward) | None => Shape::Other("a type that is nowhere defined"),
@@ -192,12 +203,9 @@ impl Types {
             }
             Shape::Optional(_) => Datum::Optional(None),
             Shape::Struct(fields) => Datum::Struct(fields.iter().map(|field| self.initial(&field.ty)).collect()),
-            Shape::Union(cases) => {
-                let first = cases.first().map(|(labels, field)| (label(labels), field));
-                match first {
-                    Some((label, field)) => Datum::Union(label, Some((0, Box::new(self.initial(&field.ty))))),
-                    None => Datum::Union(0, None),
-                }
+            Shape::Union(on, cases) => {
+                let first = cases.first().map(|(_, field)| (0, Box::new(self.initial(&field.ty))));
+                Datum::Union(self.tag(on, cases, 0), first)
             }
             Shape::Native | Shape::Other(_) => Datum::Native(0),
         }
@@ -355,7 +363,7 @@ impl Types {
                     named.map(|(f, part)| (Name::from(f.name.as_str()), self.to_value(&f.ty, part))).collect(),
                 )
             }
-            (Shape::Union(cases), Datum::Union(_, Some((number, value)))) => match cases.get(*number) {
+            (Shape::Union(_, cases), Datum::Union(_, Some((number, value)))) => match cases.get(*number) {
                 Some((_, field)) => Value::Record(vec![(field.name.as_str().into(), self.to_value(&field.ty, value))]),
                 None => Value::Missing,
             },
@@ -374,15 +382,6 @@ impl Types {
             None => stream::Value::List(items.iter().map(|item| self.to_value(inner, item)).collect()),
         }
     }
-}
-
-/// A value for which a union has the member with these labels.
-fn label(labels: &[Label]) -> i128 {
-    let number = labels.iter().find_map(|label| match label {
-        Label::Int(value) => Some(*value),
-        _ => None,
-    });
-    number.unwrap_or(0)
 }
 
 /// The types of which a component keeps values.

@@ -75,7 +75,7 @@ impl<'t> Sizes<'t> {
             Shape::Struct(fields) => {
                 fields.iter().fold(Size::ONE, |size, field| size.around(self.size(&field.ty, depth + 1), 1))
             }
-            Shape::Union(cases) => {
+            Shape::Union(_, cases) => {
                 let mut members = cases.iter().map(|(_, field)| &field.ty);
                 let first = members.next();
                 self.later.extend(members);

@@ -312,8 +312,11 @@ impl Writer<'_, '_> {
     }
 }
 
-/// The labels of a case, as C writes them; none for all others.
+/// The labels of a case, as C writes them; none for all others, whatever stands beside `default`.
 pub(super) fn labels(labels: &[Label], enumerators: &str) -> Vec<String> {
+    if labels.contains(&Label::Default) {
+        return Vec::new();
+    }
     let text = |label: &Label| match label {
         Label::Int(value) => Some(value.to_string()),
         Label::Name(name) => Some(format!("{enumerators}{name}")),
