@@ -24,7 +24,7 @@ pub fn serve(library: &Path, component: &str) -> bool {
     };
     write_frame(&mut lock(&to), hello.as_bytes());
     let Some(library) = library.map(Arc::new) else { return false };
-    while let Some(frame) = read_frame(&mut from) {
+    while let Ok(frame) = read_frame(&mut from) {
         let Some((number, rest)) = frame.split_first_chunk::<8>() else { return false };
         let Some((codel, call)) = rest.split_first_chunk::<4>() else { return false };
         let (number, codel, call) = (*number, u32::from_ne_bytes(*codel), call.to_vec());
