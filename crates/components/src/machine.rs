@@ -9,7 +9,7 @@ use std::collections::{BTreeSet, BinaryHeap};
 use std::sync::Arc;
 
 use lapwing_genom::automata::{Action, Class, ClockGuard, Edge, LocId, Part, System, VarId};
-use lapwing_genom::model::CodelId;
+use lapwing_genom::model::{CodelId, ServiceId};
 use lapwing_stream::Time;
 
 /// A variable that has another value than before.
@@ -186,11 +186,10 @@ impl Machine {
     }
 
     /// Offers a request for a service to a control task that listens.
-    pub fn offer(&mut self, automaton: usize, service: &str, now: Time) -> Offer {
-        let name = format!("request_{service}");
+    pub fn offer(&mut self, automaton: usize, service: ServiceId, now: Time) -> Offer {
         let from = self.location(automaton);
         let outgoing = self.outgoing.get(automaton).and_then(|o| o.get(from.0));
-        let is_it = |e: &&usize| self.edge(automaton, **e).is_some_and(|e| e.class == Class::Request && e.name == name);
+        let is_it = |e: &&usize| self.edge(automaton, **e).is_some_and(|e| e.request == Some(service));
         let Some(edge) = outgoing.and_then(|o| o.iter().find(is_it)).copied() else { return Offer::Unknown };
         if !self.edge(automaton, edge).is_some_and(|e| e.guard.holds(&self.values)) {
             return Offer::Disallowed;

@@ -6,6 +6,7 @@ use lapwing_bip::ast::{
 use lapwing_genom::Model;
 use lapwing_genom::automata::{Class, System};
 use lapwing_genom::emit::bip_name;
+use lapwing_genom::model::ServiceId;
 
 use super::guard::{noted, path, port};
 use super::{Draft, connector_of};
@@ -18,14 +19,14 @@ const CLIENT: &str = "client";
 pub fn with_requests(package: Package, system: &System, model: &Model, requests: &[Timed]) -> Package {
     let mut draft = Draft::new(package, system);
     let place = |number: usize| Name::from(format!("after_{number}"));
-    let mut wanted: Vec<(String, usize, String)> = Vec::new();
+    let mut wanted: Vec<(String, usize, ServiceId)> = Vec::new();
     let mut transitions = Vec::new();
     for (number, (time, request)) in requests.iter().enumerate() {
         let Some(component) = model.components.get(request.component) else { continue };
         let Some(service) = component.services.get(request.service.0) else { continue };
         let port = format!("ask_{}_{}", component.name, service.name);
         if !wanted.iter().any(|(known, ..)| *known == port) {
-            wanted.push((port.clone(), request.component, service.name.clone()));
+            wanted.push((port.clone(), request.component, request.service));
         }
         let is_time = Code::binary(BinaryOp::GreaterEqual, Code::path("t"), Code::int(time.0));
         transitions.push(Transition {
@@ -55,8 +56,8 @@ pub fn with_requests(package: Package, system: &System, model: &Model, requests:
         .collect();
     for (port, component, service) in wanted {
         let Some((_, control)) = draft.control(component) else { continue };
-        let edge = format!("request_{service}");
-        let (name, own) = (connector_of(control, &edge), path(&bip_name(&control.name), &bip_name(&edge)));
+        let Some(edge) = control.request(service) else { continue };
+        let (name, own) = (connector_of(control, &edge.name), path(&bip_name(&control.name), &bip_name(&edge.name)));
         let ty = draft.rendezvous(2);
         if let Some(root) = draft.root()
             && let Some(connector) = root.connectors.iter_mut().find(|c| c.name.text == name)

@@ -12,6 +12,7 @@ use lapwing_diag::{Code as Error, Diagnostic, Style, render};
 use lapwing_genom::Model;
 use lapwing_genom::automata::{Class, System};
 use lapwing_genom::emit::bip_name;
+use lapwing_genom::model::ServiceId;
 
 use super::formula::{Beyond, Reader, Shape, not, set};
 use super::letters::{Letter, letters};
@@ -94,8 +95,7 @@ fn monitor(draft: &mut Draft<'_>, model: &Model, spec: &checked::Spec, property:
     for (action, at) in reactions(spec, property).into_iter().zip(1_usize..) {
         let Action::Request(wanted) = action else { continue };
         let (component, service) = service_of(model, wanted).map_err(|why| beyond(&format!("such service: {why}")))?;
-        let service = model.components[component].services[service.0].name.clone();
-        ports.push(debt(draft, &format!("{name}_debt_{at}"), component, &service));
+        ports.push(debt(draft, &format!("{name}_debt_{at}"), component, service));
     }
     draft.connect(&name, ports, format!("`{}` is violated", property.name));
     if lapses {
@@ -119,7 +119,7 @@ fn monitor(draft: &mut Draft<'_>, model: &Model, spec: &checked::Spec, property:
 }
 
 /// Adds an atom that keeps a request until the control task takes it. Gives the port by which it is told.
-fn debt(draft: &mut Draft<'_>, name: &str, component: usize, service: &str) -> Path {
+fn debt(draft: &mut Draft<'_>, name: &str, component: usize, service: ServiceId) -> Path {
     let owed = || Code::path("owed");
     let step = |port: &str, guard: Option<Code>, urgency, by: i64| Transition {
         port: Some(port.into()),
@@ -146,15 +146,16 @@ fn debt(draft: &mut Draft<'_>, name: &str, component: usize, service: &str) -> P
     };
     draft.declare(noted(atom, "Requests that a violation asks for, until they can be made."));
     draft.component(&format!("{name}_type"), name);
-    if let Some((_, control)) = draft.control(component) {
-        let wanted = format!("request_{service}");
+    if let Some((_, control)) = draft.control(component)
+        && let Some(wanted) = control.request(service)
+    {
         let others: Vec<String> = control
             .edges
             .iter()
             .filter(|e| e.class == Class::Request)
             .map(|e| connector_of(control, &e.name))
             .collect();
-        let ports = vec![path(&bip_name(&control.name), &bip_name(&wanted)), path(name, "ask")];
+        let ports = vec![path(&bip_name(&control.name), &bip_name(&wanted.name)), path(name, "ask")];
         let connector = format!("{name}_request");
         draft.connect(&connector, ports, "The request is made, before those of others.".to_owned());
         for (number, low) in others.iter().enumerate() {

@@ -1,15 +1,12 @@
 //! What the moves of the automata mean: periods begin, requests are taken, activities start, stop, end and are reported.
 
-use lapwing_genom::automata::{Class, LocId, Part, status};
+use lapwing_genom::automata::{Class, ETHER, LocId, Part, status};
 use lapwing_genom::model::ServiceKind;
 use lapwing_stream::Time;
 
 use super::{Pending, Run, TOLERANCE_NS};
 use crate::happening::{Outcome, What, Whose};
 use crate::machine::{Change, Move, Offer};
-
-/// The place where every activity begins and ends.
-const ETHER: LocId = LocId(0);
 
 impl Run {
     pub(super) fn handle(&mut self, next: Move) {
@@ -176,8 +173,7 @@ impl Run {
         let Some(component) = self.system.automata.get(automaton).map(|a| a.component) else { return };
         let Some(pending) = self.controls.get_mut(component).and_then(|c| c.waiting.pop_front()) else { return };
         let (id, whose) = (pending.id, pending.whose);
-        let name = self.service(whose).map(|s| s.name.clone()).unwrap_or_default();
-        match self.machine.offer(automaton, &name, self.now) {
+        match self.machine.offer(automaton, whose.service, self.now) {
             Offer::Taken { edge, changes } => {
                 if let Some(control) = self.controls.get_mut(component) {
                     control.current = Some(pending);
