@@ -1,15 +1,15 @@
 //! A client as an atom: it makes the requests of a list, each at its time, and nobody else makes any.
 
 use lapwing_bip::ast::{
-    AtomType, BinaryOp, Clock, Expr as Code, Initial, Name, Package, TimeUnit, Transition, Urgency,
+    AtomType, BinaryOp, Clock, DeclKind, Expr as Code, Initial, Name, Package, TimeUnit, Transition, Urgency,
 };
 use lapwing_genom::Model;
 use lapwing_genom::automata::{Class, System};
-use lapwing_genom::emit::bip_name;
+use lapwing_genom::emit::parts;
 use lapwing_genom::model::ServiceId;
 
-use super::guard::{noted, path, port};
-use super::{Draft, connector_of};
+use super::Draft;
+use super::guard::{exported, path};
 use crate::request::Timed;
 
 /// The atom.
@@ -41,23 +41,23 @@ pub fn with_requests(package: Package, system: &System, model: &Model, requests:
     let atom = AtomType {
         name: format!("{CLIENT}_type").into(),
         clocks: vec![Clock { name: "t".into(), unit: TimeUnit::Nanosecond }],
-        ports: wanted.iter().map(|(name, ..)| port(name)).collect(),
+        ports: wanted.iter().map(|(name, ..)| exported(name)).collect(),
         places: (0..=requests.len()).map(place).collect(),
         initial: Initial { places: vec![place(0)], ..Initial::default() },
         transitions,
         ..AtomType::default()
     };
-    draft.declare(noted(atom, "The client: it makes the requests of a mission."));
+    draft.declare(parts::noted(DeclKind::Atom(atom), "The client: it makes the requests of a mission."));
     draft.component(&format!("{CLIENT}_type"), CLIENT);
     let open: Vec<String> = system
         .automata
         .iter()
-        .flat_map(|a| a.edges.iter().filter(|e| e.class == Class::Request).map(|e| connector_of(a, &e.name)))
+        .flat_map(|a| a.edges.iter().filter(|e| e.class == Class::Request).map(|e| parts::connector(a, &e.name)))
         .collect();
     for (port, component, service) in wanted {
         let Some((_, control)) = draft.control(component) else { continue };
         let Some(edge) = control.request(service) else { continue };
-        let (name, own) = (connector_of(control, &edge.name), path(&bip_name(&control.name), &bip_name(&edge.name)));
+        let (name, own) = (parts::connector(control, &edge.name), parts::port_path(control, &edge.name));
         let ty = draft.rendezvous(2);
         if let Some(root) = draft.root()
             && let Some(connector) = root.connectors.iter_mut().find(|c| c.name.text == name)
