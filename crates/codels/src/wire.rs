@@ -61,18 +61,18 @@ fn write(types: &Types, ty: &Type, datum: &Datum, out: &mut Vec<u8>) -> Result<(
             Ok(())
         }
         (Layout::Array(inner, _), Datum::List(items)) => {
-            items.iter().try_for_each(|item| write(types, &inner, item, out))
+            items.iter().try_for_each(|item| write(types, inner, item, out))
         }
         (Layout::Sequence(inner, _), Datum::List(items)) => {
             length(items.len(), out);
-            items.iter().try_for_each(|item| write(types, &inner, item, out))
+            items.iter().try_for_each(|item| write(types, inner, item, out))
         }
         (Layout::Struct(fields), Datum::Struct(parts)) => {
-            fields.iter().zip(parts).try_for_each(|(field, part)| write(types, field, part, out))
+            fields.iter().zip(parts).try_for_each(|(field, part)| write(types, &field.ty, part, out))
         }
         (Layout::Optional(inner), Datum::Optional(value)) => {
             out.push(u8::from(value.is_some()));
-            value.iter().try_for_each(|value| write(types, &inner, value, out))
+            value.iter().try_for_each(|value| write(types, inner, value, out))
         }
         (Layout::Union(cases), Datum::Union(tag, value)) => {
             let there = member(&cases, *tag);
@@ -93,10 +93,10 @@ fn write(types: &Types, ty: &Type, datum: &Datum, out: &mut Vec<u8>) -> Result<(
 }
 
 /// The member of a union that is there: its number and its type. There may be none.
-fn member(cases: &[(Vec<i128>, Type)], tag: i128) -> Option<(usize, &Type)> {
+fn member<'t>(cases: &[(Vec<i128>, &'t Type)], tag: i128) -> Option<(usize, &'t Type)> {
     let labelled = cases.iter().position(|(tags, _)| tags.contains(&tag));
     let number = labelled.or_else(|| cases.iter().position(|(tags, _)| tags.is_empty()))?;
-    cases.get(number).map(|(_, ty)| (number, ty))
+    cases.get(number).map(|(_, ty)| (number, *ty))
 }
 
 fn basic_out(basic: Basic, datum: &Datum, out: &mut Vec<u8>) -> Result<(), String> {
@@ -152,18 +152,18 @@ struct Reader<'b> {
 
 impl Reader<'_> {
     fn argument(&mut self, argument: &mut Argument) -> Result<(), String> {
-        let ty = argument.ty.clone();
-        match &mut argument.value {
-            Held::Data(datum) => *datum = self.value(&ty, 0)?,
+        let Argument { ty, value, .. } = argument;
+        match value {
+            Held::Data(datum) => *datum = self.value(ty, 0)?,
             Held::Port { written, .. } => {
                 for _ in 0..self.length()? {
-                    written.push(self.value(&ty, 0)?);
+                    written.push(self.value(ty, 0)?);
                 }
             }
             Held::Ports { content, written } => {
                 let content: &mut BTreeMap<String, Datum> = content;
                 for _ in 0..self.length()? {
-                    let (name, value) = (self.text()?, self.value(&ty, 0)?);
+                    let (name, value) = (self.text()?, self.value(ty, 0)?);
                     content.insert(name.clone(), value.clone());
                     written.push((name, value));
                 }
@@ -207,7 +207,8 @@ impl Reader<'_> {
         if depth > MOST_DEPTH {
             return Err("values stand too deep inside values".to_owned());
         }
-        Ok(match self.types.layout(ty) {
+        let types = self.types;
+        Ok(match types.layout(ty) {
             Layout::Basic(basic) => self.basic(basic)?,
             Layout::Text(most) => {
                 let text = self.text()?;
@@ -224,7 +225,7 @@ impl Reader<'_> {
                 Datum::Int(i128::from(number))
             }
             Layout::Array(inner, length) => {
-                let items = (0..length).map(|_| self.value(&inner, depth + 1));
+                let items = (0..length).map(|_| self.value(inner, depth + 1));
                 Datum::List(items.collect::<Result<_, _>>()?)
             }
             Layout::Sequence(inner, most) => {
@@ -232,16 +233,16 @@ impl Reader<'_> {
                 if most.is_some_and(|most| length as u64 > most) {
                     return Err(format!("a sequence has {length} elements, which are too many"));
                 }
-                let items = (0..length).map(|_| self.value(&inner, depth + 1));
+                let items = (0..length).map(|_| self.value(inner, depth + 1));
                 Datum::List(items.collect::<Result<_, _>>()?)
             }
             Layout::Struct(fields) => {
-                let parts = fields.iter().map(|field| self.value(field, depth + 1));
+                let parts = fields.iter().map(|field| self.value(&field.ty, depth + 1));
                 Datum::Struct(parts.collect::<Result<_, _>>()?)
             }
             Layout::Optional(inner) => match self.byte()? {
                 0 => Datum::Optional(None),
-                _ => Datum::Optional(Some(Box::new(self.value(&inner, depth + 1)?))),
+                _ => Datum::Optional(Some(Box::new(self.value(inner, depth + 1)?))),
             },
             Layout::Union(cases) => {
                 let tag = i128::from(i64::from_ne_bytes(self.take()?));

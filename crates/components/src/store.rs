@@ -3,9 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use lapwing_genom::model::{
-    Codel, CodelParameter, Component, Direction, Model, Object, Owner, PortId, Service, Step, Type, TypeId,
-};
+use lapwing_genom::model::{CodelParameter, Component, Direction, Model, Object, PortId, Service, Step, Type, TypeId};
 use lapwing_stream::{Duration, Time};
 
 use crate::codel::{Argument, Call, Held, Trouble};
@@ -136,8 +134,7 @@ impl Store {
 
     /// What the port of a component holds: of one that reads, what the port that it reads holds.
     fn content(&self, component: usize, port: PortId) -> Option<&BTreeMap<String, Datum>> {
-        let link = self.model.links.iter().find(|link| link.reader == (component, port));
-        let (component, port) = link.map_or((component, port), |link| link.writer);
+        let (component, port) = self.model.origin((component, port));
         self.ports.get(component)?.get(port.0)
     }
 
@@ -226,13 +223,5 @@ fn put(types: &Types, ty: &Type, whole: &mut Datum, steps: &[Step], datum: Datum
         && let Some(place) = whole.part_mut(&way)
     {
         *place = datum;
-    }
-}
-
-/// The service that a codel belongs to; none for those of tasks.
-pub(crate) fn service_of<'c>(component: &'c Component, codel: &Codel) -> Option<&'c Service> {
-    match codel.owner {
-        Owner::Service(service) => component.services.get(service.0),
-        Owner::Task(_) => None,
     }
 }

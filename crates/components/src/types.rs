@@ -6,7 +6,9 @@ mod size;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use lapwing_genom::model::{Basic, Component, Field, Label, Model, Step, Type, TypeDef, TypeDefKind, TypeId, Value as Default};
+use lapwing_genom::model::{
+    Basic, Component, Field, Label, Model, Step, Type, TypeDef, TypeDefKind, TypeId, Value as Default,
+};
 use lapwing_stream as stream;
 use lapwing_stream::Name;
 
@@ -48,8 +50,8 @@ pub(crate) enum Shape<'t> {
 }
 
 /// What a type comes to, for who carries values elsewhere.
-#[derive(Clone, PartialEq, Debug)]
-pub enum Layout {
+#[derive(Clone, Debug)]
+pub enum Layout<'t> {
     /// A number, a truth value or a character.
     Basic(Basic),
     /// A text, of a greatest length.
@@ -57,15 +59,15 @@ pub enum Layout {
     /// One of so many names.
     Enum(usize),
     /// So many elements.
-    Array(Type, u64),
+    Array(&'t Type, u64),
     /// Any number of elements, up to a greatest one.
-    Sequence(Type, Option<u64>),
+    Sequence(&'t Type, Option<u64>),
     /// Members.
-    Struct(Vec<Type>),
+    Struct(&'t [Field]),
     /// A value that may be missing.
-    Optional(Type),
+    Optional(&'t Type),
     /// For each member, the values that tell that it is there, none for all others, and its type.
-    Union(Vec<(Vec<i128>, Type)>),
+    Union(Vec<(Vec<i128>, &'t Type)>),
     /// What only codels know.
     Native,
     /// What has no values, in words.
@@ -74,33 +76,25 @@ pub enum Layout {
 
 impl Types {
     /// What a type comes to.
-    pub fn layout(&self, ty: &Type) -> Layout {
-        let mut bottom = ty;
-        for _ in 0..MOST_DEPTH {
-            match bottom {
-                Type::Basic(basic) => return Layout::Basic(*basic),
-                Type::Named(id) => match self.def(*id).map(|d| &d.kind) {
-                    Some(TypeDefKind::Alias(inner)) => bottom = inner,
-                    _ => break,
-                },
-                _ => break,
-            }
+    pub fn layout<'t>(&'t self, ty: &'t Type) -> Layout<'t> {
+        let ty = ty.behind(&self.defs);
+        if let Type::Basic(basic) = ty {
+            return Layout::Basic(*basic);
         }
-        match self.shape(bottom) {
+        match self.shape(ty) {
             Shape::Text(most) => Layout::Text(most),
             Shape::Enum(names) => Layout::Enum(names.len()),
-            Shape::Array(inner, length) => Layout::Array(inner.clone(), length),
-            Shape::Sequence(inner, most) => Layout::Sequence(inner.clone(), most),
-            Shape::Struct(fields) => Layout::Struct(fields.iter().map(|f| f.ty.clone()).collect()),
-            Shape::Optional(inner) => Layout::Optional(inner.clone()),
+            Shape::Array(inner, length) => Layout::Array(inner, length),
+            Shape::Sequence(inner, most) => Layout::Sequence(inner, most),
+            Shape::Struct(fields) => Layout::Struct(fields),
+            Shape::Optional(inner) => Layout::Optional(inner),
             Shape::Native => Layout::Native,
-            // A number with a fixed point is kept as a double.
-            Shape::Float => Layout::Basic(Basic::Double),
+            // Of numbers only those with a fixed point are left, which are kept as doubles.
+            Shape::Bool | Shape::Int(..) | Shape::Float => Layout::Basic(Basic::Double),
             Shape::Other(what) => Layout::Other(what),
             Shape::Union(on, cases) => {
-                Layout::Union(cases.iter().map(|(labels, f)| (self.tags(on, labels), f.ty.clone())).collect())
+                Layout::Union(cases.iter().map(|(labels, field)| (self.tags(on, labels), &field.ty)).collect())
             }
-            Shape::Bool | Shape::Int(..) => Layout::Other("a type that is defined by itself"),
         }
     }
 
@@ -159,29 +153,22 @@ impl Types {
     }
 
     pub(crate) fn shape<'t>(&'t self, ty: &'t Type) -> Shape<'t> {
-        let mut ty = ty;
-        for _ in 0..MOST_DEPTH {
-            return match ty {
-                Type::Basic(basic) => of_basic(*basic),
-                Type::Text(most) => Shape::Text(*most),
-                Type::Sequence(inner, most) => Shape::Sequence(inner, *most),
-                Type::Array(inner, length) => Shape::Array(inner, *length),
-                Type::Optional(inner) => Shape::Optional(inner),
-                Type::Fixed(_) => Shape::Float,
-                Type::Named(id) => match self.defs.get(id.0).map(|d| &d.kind) {
-                    Some(TypeDefKind::Alias(inner)) => {
-                        ty = inner;
-                        continue;
-                    }
-                    Some(TypeDefKind::Struct(fields) | TypeDefKind::Exception(fields)) => Shape::Struct(fields),
-                    Some(TypeDefKind::Union(on, cases)) => Shape::Union(on, cases),
-                    Some(TypeDefKind::Enum(names)) => Shape::Enum(names),
-                    Some(TypeDefKind::Native) => Shape::Native,
-                    Some(TypeDefKind::Forward) | None => Shape::Other("a type that is nowhere defined"),
-                },
-            };
+        match ty.behind(&self.defs) {
+            Type::Basic(basic) => of_basic(*basic),
+            Type::Text(most) => Shape::Text(*most),
+            Type::Sequence(inner, most) => Shape::Sequence(inner, *most),
+            Type::Array(inner, length) => Shape::Array(inner, *length),
+            Type::Optional(inner) => Shape::Optional(inner),
+            Type::Fixed(_) => Shape::Float,
+            Type::Named(id) => match self.def(*id).map(|d| &d.kind) {
+                Some(TypeDefKind::Struct(fields) | TypeDefKind::Exception(fields)) => Shape::Struct(fields),
+                Some(TypeDefKind::Union(on, cases)) => Shape::Union(on, cases),
+                Some(TypeDefKind::Enum(names)) => Shape::Enum(names),
+                Some(TypeDefKind::Native) => Shape::Native,
+                Some(TypeDefKind::Alias(_)) => Shape::Other("a type that is defined by itself"),
+                Some(TypeDefKind::Forward) | None => Shape::Other("a type that is nowhere defined"),
+            },
         }
-        Shape::Other("a type that is defined by itself")
     }
 
     /// The type by that number, where there is one.

@@ -201,7 +201,7 @@ impl Run {
         let model = &self.model;
         let known = |name: &str| {
             let component = model.components.get(component)?;
-            let own = crate::store::service_of(component, declared).map_or(&[][..], |s| &s.throws);
+            let own = component.service_of(declared.owner).map_or(&[][..], |s| &s.throws);
             let of_task =
                 component.task_of(declared).and_then(|t| component.tasks.get(t.0)).map_or(&[][..], |t| &t.throws);
             let all = own.iter().chain(of_task).chain(&component.throws);
