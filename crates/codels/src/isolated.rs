@@ -121,7 +121,7 @@ impl Process {
 }
 
 impl Border for Process {
-    fn cross(&self, _: &str, codel: u32, call: &[u8]) -> Result<Vec<u8>, Trouble> {
+    fn cross(&self, codel: u32, call: &[u8]) -> Result<Vec<u8>, Trouble> {
         let (reply, heard) = mpsc::channel();
         let number = {
             let mut waiting = lock(&self.waiting);
@@ -235,12 +235,13 @@ mod tests {
         if cfg!(target_endian = "big") {
             return;
         }
-        for (nonsense, words) in [("\\377\\377\\377\\377", "4294967295 bytes"), ("\\001\\000\\000\\000x", "of 1 bytes")] {
+        for (nonsense, words) in [("\\377\\377\\377\\377", "4294967295 bytes"), ("\\001\\000\\000\\000x", "of 1 bytes")]
+        {
             let script = format!("{HELLO} printf '{nonsense}' >&0; exec sleep 600");
             let process = start(&script, Path::new("lib")).unwrap();
             assert_eq!(process.interface(), Some("x"));
             for _ in 0..2 {
-                let trouble = process.cross("C", 0, &[]).unwrap_err();
+                let trouble = process.cross(0, &[]).unwrap_err();
                 assert_eq!(trouble.kind, TroubleKind::Wrong);
                 assert!(trouble.message.contains(words), "{trouble}");
             }
