@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::fs::File;
 use std::io::{self, BufWriter, Seek, Write};
+use std::path::Path;
 
 use lapwing_stream::{Field, Schema, Time, Type, Value};
 use mcap::records::MessageHeader;
@@ -21,6 +23,22 @@ pub struct Recorder<W: Write + Seek> {
 enum To<W: Write + Seek> {
     Lines(BufWriter<W>),
     Mcap(Box<Writer<W>>, Vec<u16>),
+}
+
+impl Recorder<File> {
+    /// A recording in a file: one line for each message where its name ends in `.ndjson` or `.jsonl`, else MCAP.
+    ///
+    /// # Errors
+    ///
+    /// It cannot be written: which file, and why.
+    pub fn create(path: &Path, signals: &Signals) -> Result<Recorder<File>, String> {
+        let cannot = |e: &dyn std::fmt::Display| format!("{} cannot be written: {e}", path.display());
+        let file = File::create(path).map_err(|e| cannot(&e))?;
+        match path.extension().is_some_and(|e| e == "ndjson" || e == "jsonl") {
+            true => Ok(Recorder::lines(file, signals)),
+            false => Recorder::mcap(file, signals).map_err(|e| cannot(&e)),
+        }
+    }
 }
 
 impl<W: Write + Seek> Recorder<W> {

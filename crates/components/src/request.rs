@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use lapwing_diag::suggest::{listed, nearest};
 use lapwing_genom::model::{Direction, Model, Service, ServiceId, ServiceKind};
 use lapwing_stream::Time;
 
@@ -100,17 +101,25 @@ pub fn service_of(model: &Model, name: &str) -> Result<(usize, ServiceId), Strin
         return Err(format!("`{name}` is no service: write COMPONENT.SERVICE"));
     };
     let Some(number) = model.components.iter().position(|c| c.name == component) else {
-        let names: Vec<&str> = model.components.iter().map(|c| c.name.as_str()).collect();
-        return Err(format!("there is no component `{component}`; there are {}", names.join(", ")));
+        let names = || model.components.iter().map(|c| c.name.as_str());
+        return Err(format!("there is no component `{component}`; {}", meant(component, "there are", names)));
     };
     let declared = &model.components[number];
     match declared.service(service) {
         Some(id) => Ok((number, id)),
         None => {
-            let names: Vec<&str> = declared.services.iter().map(|s| s.name.as_str()).collect();
-            let there = if names.is_empty() { "no service at all".to_owned() } else { names.join(", ") };
-            Err(format!("`{component}` has no service `{service}`; it has {there}"))
+            let names = || declared.services.iter().map(|s| s.name.as_str());
+            Err(format!("`{component}` has no service `{service}`; {}", meant(service, "it has", names)))
         }
+    }
+}
+
+/// What a name that nobody has was probably meant to be, or what there is.
+fn meant<'n, I: Iterator<Item = &'n str>>(name: &str, there: &str, names: impl Fn() -> I) -> String {
+    match nearest(name, names()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None if names().next().is_none() => format!("{there} none at all"),
+        None => format!("{there} {}", listed(names())),
     }
 }
 
@@ -257,7 +266,7 @@ impl Reader<'_> {
     fn time(&mut self) -> Result<Time, RequestError> {
         let rest = self.rest();
         let text = rest.get(..rest.find(char::is_whitespace).unwrap_or(rest.len())).unwrap_or("").to_owned();
-        match nanoseconds(&text) {
+        match lapwing_genom::duration(&text).and_then(|ns| i64::try_from(ns).ok()) {
             Some(ns) => {
                 self.at += text.len();
                 Ok(Time(ns))
@@ -380,18 +389,4 @@ impl Reader<'_> {
         self.at += text.len();
         Ok(literal)
     }
-}
-
-/// A time with its unit, `1.5s`, in nanoseconds.
-pub fn nanoseconds(text: &str) -> Option<i64> {
-    let (number, unit) = text.split_at(text.find(|c: char| c.is_ascii_alphabetic())?);
-    let scale = match unit {
-        "s" => 1e9,
-        "ms" => 1e6,
-        "us" => 1e3,
-        "ns" => 1.0,
-        _ => return None,
-    };
-    let ns = number.trim().parse::<f64>().ok()? * scale;
-    (0.0..9e18).contains(&ns).then_some(ns.round() as i64)
 }

@@ -129,11 +129,5 @@ pub fn stamp(time: Time) -> String {
 
 /// A duration in the unit that fits.
 fn shown(duration: Duration) -> String {
-    let ns = duration.nanos();
-    match ns {
-        0..1_000 => format!("{ns} ns"),
-        1_000..1_000_000 => format!("{} us", ns as f64 / 1e3),
-        1_000_000..1_000_000_000 => format!("{} ms", ns as f64 / 1e6),
-        _ => format!("{} s", ns as f64 / 1e9),
-    }
+    lapwing_genom::shown(u64::try_from(duration.nanos()).unwrap_or(0))
 }

@@ -5,8 +5,8 @@ mod common;
 use std::sync::Arc;
 
 use common::model;
-use lapwing_components::{Run, Setup, Signals, Types, request};
 use lapwing_components::{Codels, Datum};
+use lapwing_components::{Run, Setup, Signals, Types, request};
 use lapwing_genom::Model;
 use lapwing_stream::Type;
 
@@ -67,7 +67,9 @@ fn a_type_that_contains_itself_by_sequences_is_told_once_and_a_tower_as_far_as_i
 #[test]
 fn defaults_of_elements_far_out_make_no_more_than_may_be_kept() {
     let types = "struct row { double x[1000]; };";
-    let text = format!("{types} component C {{ function F(in sequence<row> rows = {{ [900000] = {{ .x = {{ [1] = 2. }} }} }}) {{}}; }};");
+    let text = format!(
+        "{types} component C {{ function F(in sequence<row> rows = {{ [900000] = {{ .x = {{ [1] = 2. }} }} }}) {{}}; }};"
+    );
     let model = model(&text).0;
     let request = request::request(&model, &Types::new(&model).unwrap(), "C.F()").unwrap();
     assert_eq!(request.values, [Datum::List(Vec::new())]);

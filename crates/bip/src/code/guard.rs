@@ -36,9 +36,7 @@ impl Bound {
         Ok(match self {
             Bound::Exact(value) => *value,
             // Two numbers of 64 bits have a product of 127; what is beyond that is beyond all time.
-            Bound::Int(value, unit) => {
-                (i128::from(value.eval(at, cx)?) * i128::from(*unit)).saturating_mul(FINE)
-            }
+            Bound::Int(value, unit) => (i128::from(value.eval(at, cx)?) * i128::from(*unit)).saturating_mul(FINE),
             Bound::Float(value, unit) => rounded(value.eval(at, cx)? * *unit as f64),
         })
     }
@@ -207,7 +205,8 @@ mod tests {
     fn bounds_that_no_number_holds() {
         let (mut memory, mut host) = (Memory::default(), Nobody);
         let mut cx = Context { memory: &mut memory, host: &mut host, atom: None, now: 0 };
-        let mut days = |number| Bound::Int(Int::Const(number), TimeUnit::Day.nanoseconds()).eval(Base::default(), &mut cx);
+        let mut days =
+            |number| Bound::Int(Int::Const(number), TimeUnit::Day.nanoseconds()).eval(Base::default(), &mut cx);
         assert_eq!(days(2), Ok(2 * 86_400_000_000_000 * FINE));
         let (far, past) = (days(i64::MAX).unwrap(), days(i64::MIN).unwrap());
         let clock = Clock::default();
