@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use lapwing_diag::suggest::{listed, nearest};
+use lapwing_diag::suggest::nearest;
 use lapwing_genom::model::{Direction, Model, Service, ServiceId, ServiceKind};
 use lapwing_stream::Time;
 
@@ -101,26 +101,25 @@ pub fn service_of(model: &Model, name: &str) -> Result<(usize, ServiceId), Strin
         return Err(format!("`{name}` is no service: write COMPONENT.SERVICE"));
     };
     let Some(number) = model.components.iter().position(|c| c.name == component) else {
-        let names = || model.components.iter().map(|c| c.name.as_str());
-        return Err(format!("there is no component `{component}`; {}", meant(component, "there are", names)));
+        let names: Vec<&str> = model.components.iter().map(|c| c.name.as_str()).collect();
+        let near = meant(component, &names);
+        return Err(format!("there is no component `{component}`; there are {}{near}", names.join(", ")));
     };
     let declared = &model.components[number];
     match declared.service(service) {
         Some(id) => Ok((number, id)),
         None => {
-            let names = || declared.services.iter().map(|s| s.name.as_str());
-            Err(format!("`{component}` has no service `{service}`; {}", meant(service, "it has", names)))
+            let names: Vec<&str> = declared.services.iter().map(|s| s.name.as_str()).collect();
+            let there = if names.is_empty() { "no service at all".to_owned() } else { names.join(", ") };
+            let near = meant(service, &names);
+            Err(format!("`{component}` has no service `{service}`; it has {there}{near}"))
         }
     }
 }
 
-/// What a name that nobody has was probably meant to be, or what there is.
-fn meant<'n, I: Iterator<Item = &'n str>>(name: &str, there: &str, names: impl Fn() -> I) -> String {
-    match nearest(name, names()) {
-        Some(near) => format!("did you mean `{near}`?"),
-        None if names().next().is_none() => format!("{there} none at all"),
-        None => format!("{there} {}", listed(names())),
-    }
+/// What a name that nobody has was probably meant to be, in words after those that are there.
+fn meant(name: &str, there: &[&str]) -> String {
+    nearest(name, there.iter().copied()).map(|near| format!(": did you mean `{near}`?")).unwrap_or_default()
 }
 
 /// A request without arguments.
