@@ -41,7 +41,7 @@ fn a_wrong_request_is_told_with_its_place_and_what_would_be_right() {
     for (text, column, words) in [
         ("D.Go()", 1, "there is no component `D`; there are C"),
         ("C.Gone()", 1, "`C` has no service `Gone`; it has Go, Plain, Set"),
-        ("C.Plane()", 1, "`C` has no service `Plane`; it has Go, Plain, Set: did you mean `Plain`?"),
+        ("C.Plaiin()", 1, "`C` has no service `Plaiin`; it has Go, Plain, Set: did you mean `Plain`?"),
         ("C.Plain()", 1, "`Plain` needs a value for `n`"),
         ("C.Plain(n=1.5)", 1, "a whole number is wanted"),
         ("C.Plain(n=1, most=70000)", 1, "70000 is not between 0 and 65535"),
