@@ -291,9 +291,8 @@ mod tests {
         let fields = vec![field("x", Type::Basic(Basic::Double)), field("t", Type::Text(None)), field("few", few)];
         let def = TypeDef { path: vec!["s".to_owned()], kind: TypeDefKind::Struct(fields), span: Default::default() };
         let types = Types::new(&Model { types: vec![def], ..Model::default() }).unwrap();
-        let ty = Type::Named(TypeId(0));
-        let argument =
-            |name: &str, direction, value| Argument { name: name.to_owned(), direction, ty: ty.clone(), value };
+        let ty = Arc::new(Type::Named(TypeId(0)));
+        let argument = |name: &str, direction, value| Argument { name: name.into(), direction, ty: ty.clone(), value };
         let datum = Datum::Struct(vec![
             Datum::Float(0.5),
             Datum::Text("abc".to_owned()),

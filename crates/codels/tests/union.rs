@@ -82,9 +82,9 @@ fn the_member_that_is_there_is_the_same_on_both_sides() {
 
     let call = |values: &mut Vec<Datum>| {
         let given = fields.iter().zip(values.drain(..)).map(|(field, value)| Argument {
-            name: field.name.clone(),
+            name: field.name.as_str().into(),
             direction: Direction::InOut,
-            ty: field.ty.clone(),
+            ty: field.ty.clone().into(),
             value: Held::Data(value),
         });
         let mut call = Call::new("C".into(), "CF".into(), Time(0), given.collect(), types.clone());

@@ -210,7 +210,7 @@ fn value(types: &Types, ty: &lapwing_genom::model::Type, base: Datum, literal: L
                 let (way, inner) = types.way(ty, &[Step::Member(name)])?;
                 let Some(place) = whole.part_mut(&way) else { continue };
                 let before = std::mem::replace(place, Datum::Native(0));
-                *place = value(types, &inner, before, part)?;
+                *place = value(types, inner, before, part)?;
             }
             Ok(whole)
         }

@@ -203,20 +203,20 @@ impl Types {
     /// # Errors
     ///
     /// What is not there, in words.
-    pub(crate) fn way(&self, ty: &Type, steps: &[Step]) -> Result<(Vec<usize>, Type), String> {
-        let (mut ty, mut way) = (ty.clone(), Vec::new());
+    pub(crate) fn way<'t>(&'t self, ty: &'t Type, steps: &[Step]) -> Result<(Vec<usize>, &'t Type), String> {
+        let (mut ty, mut way) = (ty, Vec::with_capacity(steps.len()));
         for step in steps {
-            let (number, next) = match (step, self.shape(&ty)) {
+            let (number, next) = match (step, self.shape(ty)) {
                 (Step::Member(name), Shape::Struct(fields)) => {
                     let found = fields.iter().enumerate().find(|(_, field)| field.name == *name);
                     let (number, field) = found.ok_or_else(|| {
                         let names: Vec<&str> = fields.iter().map(|field| field.name.as_str()).collect();
                         format!("there is no `{name}` in it; there are {}", names.join(", "))
                     })?;
-                    (number, field.ty.clone())
+                    (number, &field.ty)
                 }
                 (Step::Element(number), Shape::Array(inner, _) | Shape::Sequence(inner, _)) => {
-                    (usize::try_from(*number).unwrap_or(usize::MAX), inner.clone())
+                    (usize::try_from(*number).unwrap_or(usize::MAX), inner)
                 }
                 (Step::Member(name), _) => return Err(format!("what is there has no members, and so no `{name}`")),
                 (Step::Element(_), _) => return Err("what is there has no elements".to_owned()),
@@ -310,7 +310,7 @@ impl Types {
                     }
                     let Ok((way, inner)) = self.way(ty, std::slice::from_ref(step)) else { continue };
                     if let Some(place) = whole.part_mut(&way) {
-                        *place = self.default(&inner, value);
+                        *place = self.default(inner, value);
                     }
                 }
                 whole
