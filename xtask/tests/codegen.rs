@@ -1,10 +1,7 @@
 //! Generated monitors, in Rust and in C, say what the engine says: on the suite, and on specifications and traces at random. More of them:
 //! `cargo run -p xtask -- codegen`.
 
-use std::path::Path;
-
-use xtask::codegen::{Case, Count, Target, agree};
-use xtask::suite::{cases, pages, runs};
+use xtask::codegen::{Case, Count, Target, agree, of_suite};
 
 const HERE: [Target; 2] = [Target::Rust, Target::C];
 
@@ -28,19 +25,7 @@ fn compare(cases: &[Case], targets: &[Target]) -> Count {
 #[test]
 fn they_agree_on_the_suite() {
     let folder = tempfile::tempdir().expect("a folder to write traces to");
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../suite");
-    let mut all = Vec::new();
-    for page in pages(&root) {
-        let text = std::fs::read_to_string(&page).expect("a page that can be read");
-        for case in cases(&page.to_string_lossy(), &text) {
-            let label = format!("{}:{}: {}\n{}", case.file, case.line, case.heading, case.spec);
-            all.extend(runs(&case, folder.path()).into_iter().map(|(spec, trace)| Case {
-                label: label.clone(),
-                spec,
-                trace,
-            }));
-        }
-    }
+    let all = of_suite(folder.path()).expect("pages that can be read");
     let count = compare(&all, &HERE);
     println!("of the suite: {count:?}");
     assert!(count.compared >= 600, "{count:?}");

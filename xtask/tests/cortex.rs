@@ -1,10 +1,7 @@
 //! Generated C on a Cortex-M3, emulated: it says there what the engine says here, and it is small. `tools/arm.sh` installs what it takes.
 
-use std::path::Path;
-
 use xtask::codegen::cortex::{SOCCER, sizes};
-use xtask::codegen::{Case, Target, agree};
-use xtask::suite::{cases, pages, runs};
+use xtask::codegen::{Case, Target, agree, of_suite};
 
 /// So many traces of the suite are run, which the compiler and the memory of the board take at once.
 const TRACES: usize = 160;
@@ -12,16 +9,7 @@ const TRACES: usize = 160;
 #[test]
 fn generated_c_agrees_on_a_cortex_m() {
     let folder = tempfile::tempdir().expect("a folder to compile in");
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../suite");
-    let mut all = Vec::new();
-    for page in pages(&root) {
-        let text = std::fs::read_to_string(&page).expect("a page that can be read");
-        for case in cases(&page.to_string_lossy(), &text) {
-            let label = format!("{}:{}: {}", case.file, case.line, case.heading);
-            let of_case = runs(&case, folder.path()).into_iter();
-            all.extend(of_case.map(|(spec, trace)| Case { label: label.clone(), spec, trace }));
-        }
-    }
+    let all = of_suite(folder.path()).expect("pages that can be read");
     // Some of every page.
     let step = all.len().div_ceil(TRACES);
     let some: Vec<Case> = all.into_iter().step_by(step).collect();

@@ -12,7 +12,7 @@ use crate::obligations::Obligations;
 use crate::past::{Past, looks_back};
 use crate::positions::enter;
 use crate::prune::without_unread;
-use crate::scene::Scene;
+use crate::scene::{Scene, emitter};
 use crate::segments::Segments;
 use crate::verdict::End;
 
@@ -75,12 +75,7 @@ impl<'a> Writer<'a> {
     fn spoils_of(&self, at: &Positions) -> Vec<String> {
         let mut full: Vec<String> = Vec::new();
         let mut machine = |m: usize| full.extend(self.spoils.get(&m).into_iter().flatten().cloned());
-        let of_event = |event: usize| {
-            self.program
-                .machines
-                .iter()
-                .position(|m| m.states.iter().any(|s| [s.entered, s.left].contains(&Some(event))))
-        };
+        let of_event = |event: usize| emitter(self.program, event);
         for op in &at.ops {
             if let Op::Event(e) = op {
                 of_event(*e).into_iter().for_each(&mut machine);

@@ -57,17 +57,24 @@ fn statements(body: Vec<Stmt>, set: &BTreeSet<String>, known: &mut Known, b: &mu
 }
 
 fn expr(e: Expr, known: &Known) -> Expr {
-    let again = |e: Box<Expr>| expr(*e, known);
-    match e {
+    rewrite(e, &|leaf| match leaf {
         Expr::Local(name) => known.get(&name).cloned().unwrap_or(Expr::Local(name)),
+        leaf => leaf,
+    })
+}
+
+/// An expression with others in place of its leaves, and what is constant then worked out.
+pub(crate) fn rewrite(e: Expr, leaf: &impl Fn(Expr) -> Expr) -> Expr {
+    let again = |e: Box<Expr>| rewrite(*e, leaf);
+    match e {
+        Expr::Bool(_) | Expr::Int(_) | Expr::Float(_) | Expr::Local(_) | Expr::Field(_) | Expr::Input(_) => leaf(e),
         Expr::Elem(name, at) => Expr::Elem(name, Box::new(again(at))),
         Expr::Not(of) => !again(of),
         Expr::Neg(of) => Expr::Neg(Box::new(again(of))),
         Expr::As(ty, of) => Expr::As(ty, Box::new(again(of))),
         Expr::Choose(c, a, b) => again(c).choose(again(a), again(b)),
-        Expr::Call(helper, args) => Expr::Call(helper, args.into_iter().map(|a| expr(a, known)).collect()),
+        Expr::Call(helper, args) => Expr::Call(helper, args.into_iter().map(|a| rewrite(a, leaf)).collect()),
         Expr::Bin(op, a, b) => binary(op, again(a), again(b)),
-        e => e,
     }
 }
 

@@ -3,7 +3,8 @@
 use lapwing_engine::program::{Clock, Read};
 
 use crate::assemble::Writer;
-use crate::code::{Bin, Block, Expr, Ty, field, local, since};
+use crate::code::{Block, Expr, Ty, field, local, since};
+use crate::fold::rewrite;
 use crate::interface::{From, Kind};
 use crate::scene::{Scene, updated_slots};
 use crate::value::View;
@@ -172,34 +173,23 @@ pub(crate) fn heard(scene: &Scene<'_>, of: Read) -> (String, String) {
 
 /// A condition on an event's fields, over what has just come.
 fn in_inputs(e: Expr, scene: &Scene<'_>, event: usize) -> Expr {
-    let again = |e: Box<Expr>| Box::new(in_inputs(*e, scene, event));
-    match e {
-        Expr::Field(name) => {
-            if name == scene.event_field(event) {
-                return Expr::Bool(true);
-            }
-            let member = scene.members.iter().find_map(|(from, member)| match from {
-                From::EventField(of, f) if *of == event => {
-                    let stored = scene.event_value(event, *f);
-                    match name.strip_prefix(&stored)? {
-                        "" => Some(member.name.clone()),
-                        "_there" => member.has.clone(),
-                        _ => None,
-                    }
-                }
-                _ => None,
-            });
-            member.map_or(Expr::Field(name), Expr::Input)
-        }
-        Expr::Not(of) => !in_inputs(*of, scene, event),
-        Expr::Neg(of) => Expr::Neg(again(of)),
-        Expr::As(ty, of) => Expr::As(ty, again(of)),
-        Expr::Bin(Bin::And, a, b) => in_inputs(*a, scene, event) & in_inputs(*b, scene, event),
-        Expr::Bin(op, a, b) => Expr::Bin(op, again(a), again(b)),
-        Expr::Choose(c, a, b) => {
-            in_inputs(*c, scene, event).choose(in_inputs(*a, scene, event), in_inputs(*b, scene, event))
-        }
-        Expr::Call(helper, args) => Expr::Call(helper, args.into_iter().map(|a| in_inputs(a, scene, event)).collect()),
-        e => e,
-    }
+    rewrite(e, &|leaf| match leaf {
+        Expr::Field(name) if name == scene.event_field(event) => Expr::Bool(true),
+        Expr::Field(name) => input_of(&name, scene, event).unwrap_or(Expr::Field(name)),
+        leaf => leaf,
+    })
+}
+
+/// What comes, of an event, that a field of the monitor is the latest of.
+fn input_of(name: &str, scene: &Scene<'_>, event: usize) -> Option<Expr> {
+    let mut members = scene.members.iter();
+    let member = members.find_map(|(from, member)| match from {
+        From::EventField(of, f) if *of == event => match name.strip_prefix(&scene.event_value(event, *f))? {
+            "" => Some(member.name.clone()),
+            "_there" => member.has.clone(),
+            _ => None,
+        },
+        _ => None,
+    });
+    member.map(Expr::Input)
 }

@@ -1,6 +1,6 @@
 //! What kind of value each signal has: what its declaration says, and else what is done with it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use lapwing_check::checked::Spec;
 use lapwing_engine::program::{Func, Node, NodeId, Op, Positions, Program};
@@ -13,7 +13,7 @@ use crate::interface::{From, Kind};
 pub(crate) struct Kinds {
     known: BTreeMap<From, Kind>,
     /// Those that are only ever taken for true or false.
-    conditions: BTreeMap<From, ()>,
+    conditions: BTreeSet<From>,
     /// Of which two kinds are wanted.
     pub clashes: Vec<From>,
 }
@@ -48,14 +48,14 @@ impl Kinds {
 
     /// The kind of a value from outside.
     pub fn get(&self, from: From) -> Kind {
-        let is_condition = self.conditions.contains_key(&from);
+        let is_condition = self.conditions.contains(&from);
         self.known.get(&from).copied().unwrap_or(if is_condition { Kind::Truth } else { Kind::Number })
     }
 
     fn learn(&mut self, at: &Positions) {
         for op in &at.ops {
             match op {
-                Op::Slot { slot, truth: true } => drop(self.conditions.insert(From::Input(*slot), ())),
+                Op::Slot { slot, truth: true } => drop(self.conditions.insert(From::Input(*slot))),
                 Op::Slot { slot, truth: false } => self.set(From::Input(*slot), Kind::Truth),
                 Op::Holds(node) => self.want(at, *node, Kind::Truth),
                 Op::Delta(node) | Op::Rate(node) | Op::Window(_, node, _) => self.want(at, *node, Kind::Number),
@@ -88,7 +88,7 @@ impl Kinds {
             }
             Node::Truth(of) => {
                 if let Some(from) = source(at, *of) {
-                    self.conditions.insert(from, ());
+                    self.conditions.insert(from);
                 }
             }
             _ => {}

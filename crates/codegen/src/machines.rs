@@ -8,6 +8,9 @@ use crate::positions::enter;
 use crate::scene::{Scene, updated_slots};
 use crate::value::bit;
 
+/// A machine of more states is refused: they are counted in a byte, in which one number more says that it is in none of them.
+pub(crate) const MOST_STATES: usize = u8::MAX as usize;
+
 /// Writes a machine's function. Gives the fields that say that a queue was too short.
 pub(crate) fn machine(scene: &Scene<'_>, number: usize, capacity: usize, unit: &mut Unit) -> Vec<String> {
     let plan = &scene.program.machines[number];

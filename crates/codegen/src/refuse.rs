@@ -4,6 +4,8 @@ use lapwing_check::checked::{Body, Bound, EventSource, Expr, Func, InputSource, 
 use lapwing_diag::{Code, Diagnostic, Span};
 use lapwing_stream::Type;
 
+use crate::machines::MOST_STATES;
+
 /// Why a property cannot be generated, at its places. Empty where it can, as far as its text tells.
 pub(crate) fn refused(spec: &Spec, property: &Property) -> Vec<Diagnostic> {
     let mut refusals = Refusals {
@@ -64,6 +66,12 @@ impl Refusals<'_> {
         }
         let spec = self.spec;
         let plan = &spec.machines[machine];
+        if plan.states.len() > MOST_STATES {
+            let own = spec.properties.iter().find(|p| p.body == Body::Machine(machine)).or(spec.properties.first());
+            let message = format!("the state of a machine is one byte, and `{}` has {}", plan.name, plan.states.len());
+            let help = format!("a machine of at most {MOST_STATES} states, or several");
+            own.iter().for_each(|p| self.add(p.span, message.as_str(), &help));
+        }
         plan.conditions().for_each(|e| self.values(e));
         let place = plan.conditions().next().map(|e| e.span).or(spec.properties.first().map(|p| p.span));
         let on = plan.states.iter().filter_map(|s| s.on).chain(plan.edges.iter().filter_map(|e| e.on));

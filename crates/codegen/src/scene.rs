@@ -200,11 +200,7 @@ impl Used {
     }
 
     fn event(&mut self, program: &Program, event: usize) {
-        let of_machine = program
-            .machines
-            .iter()
-            .position(|m| m.states.iter().any(|s| s.entered == Some(event) || s.left == Some(event)));
-        if let Some(machine) = of_machine {
+        if let Some(machine) = emitter(program, event) {
             self.of_machine(machine);
         } else if self.froms.insert(From::Event(event))
             && let Some((at, _)) = &program.events[event].when
@@ -245,6 +241,12 @@ impl Used {
             }
         }
     }
+}
+
+/// The machine that emits an event, where one does.
+pub(crate) fn emitter(program: &Program, event: usize) -> Option<usize> {
+    let emits = |m: &Machine| m.states.iter().any(|s| [s.entered, s.left].contains(&Some(event)));
+    program.machines.iter().position(emits)
 }
 
 /// Whether anything asks if a signal of a machine was updated.

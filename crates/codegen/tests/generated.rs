@@ -137,20 +137,25 @@ fn main() {
     assert_eq!(String::from_utf8_lossy(&output.stdout), "0 true\n", "{}", String::from_utf8_lossy(&output.stderr));
 }
 
-/// Runs a C program that drives a monitor, and gives what it prints.
-fn run_c(text: &str, capacity: usize, main: &str) -> String {
-    let options = Options { capacity, ..options(Language::C) };
-    let generated = generate(&spec(text).1, "robot.rv", &options).expect("a monitor");
+/// Compiles monitors and a program that may drive them, which a compiler has nothing against. Gives the folder with `main` in it.
+fn compile_c(generated: &Generated, program: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder to compile in");
     for (name, text) in &generated.files {
         std::fs::write(folder.path().join(name), text).expect("a file");
     }
-    let main = format!("#include <stdio.h>\n#include \"robot.h\"\nint main(void) {{\n{main}\nreturn 0;\n}}\n");
-    std::fs::write(folder.path().join("main.c"), main).expect("a file");
+    std::fs::write(folder.path().join("main.c"), format!("#include \"robot.h\"\n{program}")).expect("a file");
     let mut cc = Command::new("cc");
     cc.current_dir(folder.path()).args(["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-o", "main"]);
     let output = cc.args(["main.c", "robot.c", "-lm"]).output().expect("cc runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    folder
+}
+
+/// Runs a C program that drives a monitor, and gives what it prints.
+fn run_c(text: &str, capacity: usize, main: &str) -> String {
+    let options = Options { capacity, ..options(Language::C) };
+    let generated = generate(&spec(text).1, "robot.rv", &options).expect("a monitor");
+    let folder = compile_c(&generated, &format!("#include <stdio.h>\nint main(void) {{\n{main}\nreturn 0;\n}}\n"));
     let output = Command::new(folder.path().join("main")).output().expect("it runs");
     assert!(output.status.success());
     String::from_utf8(output.stdout).expect("text")
@@ -209,9 +214,30 @@ fn what_would_need_more_than_one_fixed_size_is_refused_at_its_place() {
 }
 
 #[test]
+fn a_machine_has_as_many_states_as_a_byte_can_count() {
+    let machine = |count: usize| {
+        let states: String = (0..count).map(|i| format!("    state s{i} when x == {i}\n")).collect();
+        format!("machine many {{\n    initial s0\n{states}    s0 -> s{}\n}}\n", count - 1)
+    };
+    // Along the edge to the last state, then nowhere.
+    let main = format!(
+        "static robot_monitor m; robot_init(&m);
+        robot_inputs in = {{.x = 254, .has_x = true}};
+        robot_step(&m, 0, &in);
+        in.x = 255;
+        robot_step(&m, 1, &in);{SAY}printf(\" %d\", (int)o.met);"
+    );
+    assert_eq!(run_c(&machine(255), 4, &main), "0 0 1 0 1");
+    let text = machine(256) + "always many == s1 implies x > 0\n";
+    let [(place, message)] = refused(&text).try_into().expect("one refusal");
+    assert!(place.starts_with("machine many {"), "{place}");
+    assert_eq!(message, "the state of a machine is one byte, and `many` has 256");
+}
+
+#[test]
 fn hostile_names_make_no_hostile_code() {
-    let text =
-        "decl `int` /int Float64.data\nproperty `*/ oops`: always `int` > 0\nproperty `b\\\\`: never `int` > 9\n";
+    let text = "decl `int` /int Float64.data\ndecl mode /mode String.data\nproperty `*/ oops`: always `int` > 0\n\
+                property `b\\\\`: never `int` > 9\nproperty `/*/ /* oh`: never mode == \"*/*??/\"\nproperty `q???/`: never `int` > 8\n";
     let (_, spec) = spec(text);
     let title = "a\n#error */ \\";
     for language in [Language::Rust, Language::C] {
@@ -220,6 +246,9 @@ fn hostile_names_make_no_hostile_code() {
             assert!(!text.lines().any(|line| line.starts_with('#') && line.contains("error")), "{text}");
             let comments = if name.ends_with(".h") { text.matches("/*").count() } else { 0 };
             assert!(comments == 0 || text.matches("*/").count() == comments, "{text}");
+        }
+        if language == Language::C {
+            compile_c(&generated, "int main(void) {\nreturn 0;\n}\n");
         }
     }
 }

@@ -16,6 +16,9 @@ pub fn nearest<'a>(wanted: &str, among: impl IntoIterator<Item = &'a str>) -> Op
 /// Names less alike than this are not proposed.
 const NEAR: f64 = 0.66;
 
+/// What a name with one slip counts as, at least.
+const ONE_SLIP: f64 = 0.67;
+
 /// Names longer than this are compared by their beginnings only, and no more names than this are looked at: they come from files of strangers, and a
 /// comparison takes as many steps as the lengths multiplied.
 const LONGEST: usize = 100;
@@ -24,7 +27,11 @@ const MOST: usize = 2_000;
 /// From 0 to 1. Slips of the finger count little, whatever their kind; a name that is the other's whole last part counts as near.
 fn likeness(a: &str, b: &str) -> f64 {
     let (a, b): (String, String) = (a.chars().take(LONGEST).collect(), b.chars().take(LONGEST).collect());
-    let slips = strsim::normalized_damerau_levenshtein(&a, &b);
+    let slips = match strsim::damerau_levenshtein(&a, &b) {
+        // In a name of two or three letters one slip weighs too much to be told from another name by its share; a single letter is nobody's slip.
+        1 if a.len() > 1 => strsim::normalized_damerau_levenshtein(&a, &b).max(ONE_SLIP),
+        _ => strsim::normalized_damerau_levenshtein(&a, &b),
+    };
     let tail = |long: &str, short: &str| {
         let joint = |rest: &str| short.starts_with('/') || rest.ends_with(['/', '.', '_']);
         short.len() > 2 && long.strip_suffix(short).is_some_and(joint)
@@ -58,5 +65,7 @@ mod tests {
         assert_eq!(nearest("/cmdvel", topics), Some("/cmd_vel"));
         assert_eq!(nearest("/imu", topics), Some("/robot1/imu"));
         assert_eq!(nearest("/battery_state", topics), None);
+        assert_eq!(nearest("cc", ["d", "c"]), Some("c"));
+        assert_eq!(nearest("d", ["c"]), None);
     }
 }

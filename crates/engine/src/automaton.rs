@@ -68,24 +68,21 @@ pub(crate) struct Move {
     ends: u64,
     /// Those that lose what has been.
     breaks: u64,
+    /// The distance from the position before at which the first bound of `ends` will have run out; [`u64::MAX`] for never.
+    wait: u64,
+    /// Whether no bounds run on but those: nothing else is waited for then.
+    afresh: bool,
     /// Where it leads to: nowhere for a move that was not made yet, and where there is no room for another situation.
     pub to: Place,
 }
 
-const BLANK: Move = Move { word: 0, holding: 0, ends: 0, breaks: 0, to: Place::NOWHERE };
+const BLANK: Move = Move { word: 0, holding: 0, ends: 0, breaks: 0, wait: u64::MAX, afresh: false, to: Place::NOWHERE };
 
 impl Automaton {
-    /// The number of the move from a place where the leaves in `letter` change, if it is known; no bound may have run out.
+    /// The move from a place where the leaves in `letter` change, if it is known; no bound may have run out.
     #[inline]
-    pub fn known(&self, place: Place, letter: u32) -> Option<usize> {
-        let at = place.number(letter);
-        self.moves.get(at).filter(|known| known.to != Place::NOWHERE).map(|_| at)
-    }
-
-    /// A move that is known, by its number.
-    #[inline]
-    pub fn get(&self, known: usize) -> Option<&Move> {
-        self.moves.get(known)
+    pub fn known(&self, place: Place, letter: u32) -> Option<&Move> {
+        self.moves.get(place.number(letter)).filter(|known| known.to != Place::NOWHERE)
     }
 
     /// Makes a move that is not known, or that a bound may have to do with.
@@ -150,6 +147,8 @@ impl Situation {
             };
             made.word |= if holds { me } else { 0 };
         }
+        made.wait = bits(made.ends & made.word).map(|i| alphabet.over[i]).min().unwrap_or(u64::MAX);
+        made.afresh = made.word & alphabet.timed & !made.holding & !made.ends == 0;
         made
     }
 
@@ -172,13 +171,11 @@ impl Situation {
 impl Move {
     /// What has to be remembered of it.
     #[inline(always)]
-    pub fn leave_marks(&self, alphabet: &Alphabet, latest: &mut Latest, before: i64, alarm: &mut i64) {
+    pub fn leave_marks(&self, latest: &mut Latest, before: i64, alarm: &mut i64) {
         latest.holding[0] = self.holding;
+        *alarm = runs_out(before, self.wait).min(if self.afresh { i64::MAX } else { *alarm });
         for i in bits(self.ends) {
             latest.stamps[i] = before;
-            if self.word & (1 << i) != 0 {
-                *alarm = (*alarm).min(runs_out(before, alphabet.over[i]));
-            }
         }
         for i in bits(self.breaks) {
             latest.stamps[i] = NEVER;

@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 use lapwing_stream::{Time, Value};
 use serde::{Deserialize, Serialize};
 
-use crate::automaton::Automaton;
+use crate::automaton::{Automaton, Move};
 use crate::future::{Decided, Graph, Moment, Segment, step_segments};
 use crate::inputs::{Due, Inputs};
 use crate::margin::Margins;
@@ -134,31 +134,23 @@ impl Core {
         } else if let Some(alphabet) = plan.alphabet()
             && let Some(known) = self.known_move((automaton, alphabet), due.letter, when)
         {
-            self.follow(plan, (automaton, alphabet), inputs, known, when, tell);
+            self.follow(plan, inputs, known, when, tell);
         } else {
             self.step_resting((plan, automaton), inputs, due.ops, when, tell);
         }
     }
 
-    /// For a group that rests: the number of the automaton's move for an instant, where all that it takes is one that is known.
+    /// For a group that rests: the automaton's move for an instant, where all that it takes is one that is known.
     // PERF: the way of most properties of robots, and of nearly all of their instants, without what only others need.
     #[inline(always)]
-    pub fn known_move(&mut self, moves: (&Automaton, &Alphabet), letter: u32, when: When) -> Option<usize> {
+    pub fn known_move<'a>(&mut self, moves: (&'a Automaton, &Alphabet), letter: u32, when: When) -> Option<&'a Move> {
         if self.rests { self.walk.known_move(moves, letter, when.now, when.before) } else { None }
     }
 
     /// An instant at which the automaton makes that move. Gives what [`Core::rests_until`] says then.
     #[inline(always)]
-    pub fn follow(
-        &mut self,
-        plan: &Group,
-        moves: (&Automaton, &Alphabet),
-        inputs: &Inputs,
-        known: usize,
-        when: When,
-        tell: &mut impl Observer,
-    ) -> i64 {
-        let (old, word) = self.walk.follow(moves, known, when.before);
+    pub fn follow(&mut self, plan: &Group, inputs: &Inputs, known: &Move, when: When, tell: &mut impl Observer) -> i64 {
+        let (old, word) = self.walk.follow(known, when.before);
         if (old ^ word) & plan.verdicts != 0 {
             self.turn(plan, inputs, when, old, tell);
         }

@@ -228,6 +228,18 @@ pub(crate) fn step(
     if let Some(known) = quick((i, op), latest, &scene.here, scene.before, &mut alarm, |of| of.of(bits)) {
         return (known, alarm);
     }
+    slow((i, op), memory, scene, bits, values)
+}
+
+/// Evaluates an operator that is not [`quick`]; returns what [`step`] does.
+#[inline]
+pub(crate) fn slow(
+    (i, op): (usize, &Op),
+    memory: &mut Memory,
+    scene: &Scene<'_>,
+    bits: &[u64],
+    values: &mut [Value],
+) -> (bool, i64) {
     match (op, memory) {
         (Op::Holds(_), _) => {
             scene.notes.met_nan.set(false);
@@ -275,12 +287,20 @@ pub(crate) fn step(
 /// `once` with any bound. While the operand holds, each position adds a stamp.
 fn within(bound: &Bound, holds: bool, now: i64, pending: &mut VecDeque<i64>, reached: &mut Option<i64>) -> (bool, i64) {
     let is = once(bound, holds, now, pending, reached);
-    let begins =
-        pending.front().map(|stamp| stamp.saturating_add(bound.lo).saturating_add(i64::from(!bound.lo_closed)));
-    let ends = reached.filter(|_| is && bound.has_end());
-    let ends = ends.map(|stamp| stamp.saturating_add(bound.hi).saturating_add(i64::from(bound.hi_closed)));
-    let next = begins.into_iter().chain(ends).min().unwrap_or(i64::MAX);
-    (is, if holds { NOW } else { next })
+    if holds {
+        return (is, NOW);
+    }
+    let mut next = i64::MAX;
+    if let Some(stamp) = pending.front() {
+        next = stamp.saturating_add(bound.lo).saturating_add(i64::from(!bound.lo_closed));
+    }
+    if let Some(stamp) = reached
+        && is
+        && bound.has_end()
+    {
+        next = next.min(stamp.saturating_add(bound.hi).saturating_add(i64::from(bound.hi_closed)));
+    }
+    (is, next)
 }
 
 /// `held for`, where the operand holds: for long enough, and before that not broken inside the window.

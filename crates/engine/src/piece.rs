@@ -241,7 +241,9 @@ impl Piece {
         // PERF: most instants of most recordings change nothing that matters; where all rest they cost no more than this.
         if self.inputs.woken || now >= self.calm_until {
             let letter = self.inputs.due.first().map_or(0, |due| due.letter);
-            if !self.glide(program, now, letter, Inputs::settle, tell) {
+            if self.glide(program, now, letter, tell) {
+                self.inputs.settle();
+            } else {
                 self.step(program, now, tell);
             }
         }
@@ -254,20 +256,12 @@ impl Piece {
     /// An instant of the only group of a program without machines, where all that it takes is a move of the automaton that is known. Returns
     /// whether that was so; else nothing has happened. Before the move the signals take in what makes the letter.
     #[inline(always)]
-    pub(crate) fn glide(
-        &mut self,
-        program: &Program,
-        now: i64,
-        letter: u32,
-        take_in: impl FnOnce(&mut Inputs),
-        tell: &mut impl Observer,
-    ) -> bool {
+    pub(crate) fn glide(&mut self, program: &Program, now: i64, letter: u32, tell: &mut impl Observer) -> bool {
         let Some((plan, automaton, core)) = only(&program.groups, &mut self.groups) else { return false };
         let (Some(alphabet), []) = (plan.alphabet(), &self.machines[..]) else { return false };
         let when = When { now, number: self.instants, before: self.last_instant };
         let Some(known) = core.known_move((automaton, alphabet), letter, when) else { return false };
-        take_in(&mut self.inputs);
-        self.calm_until = core.follow(plan, (automaton, alphabet), &self.inputs, known, when, tell);
+        self.calm_until = core.follow(plan, &self.inputs, known, when, tell);
         true
     }
 

@@ -3,14 +3,31 @@
 
 use lapwing_stream::{Time, Value};
 
-use crate::inputs::Inputs;
 use crate::outcome::{Observer, Output};
 use crate::piece::Piece;
 use crate::program::{Column, Program, bits};
 
-/// The latest row, a bit for each column, where all of its cells are truth values.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Row(Option<u64>);
+/// The latest row, a bit for each column and [`Row::MARK`], where all of its cells are truth values; else zero.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub(crate) struct Row(u64);
+
+impl Row {
+    /// What tells a row from none.
+    const MARK: u64 = 1 << Self::COLUMNS;
+    /// The most columns of a row.
+    pub const COLUMNS: u32 = u64::BITS - 1;
+
+    /// A row whose cells are truth values, at most so many.
+    #[inline(always)]
+    fn of(columns: &[Column], cells: &[Value]) -> Option<Row> {
+        let mut word = Self::MARK;
+        for (i, column) in columns.iter().enumerate() {
+            let Some(Value::Bool(is)) = cells.get(column.cell) else { return None };
+            word |= u64::from(*is) << i;
+        }
+        Some(Row(word))
+    }
+}
 
 impl Piece {
     /// Takes a row in, at an instant of its own, if all that it takes is a move of the automaton that is known. Returns whether that was so;
@@ -21,13 +38,15 @@ impl Piece {
         if program.letters.is_empty() {
             return false;
         }
-        let (Row(before), row) = (self.inputs.row, word(&program.columns, cells));
-        if row.is_none() || row != before || now >= self.calm_until {
-            self.inputs.row = Row(row);
-            let changed = row.zip(before).map(|(row, before)| row ^ before);
-            if !changed.is_some_and(|changed| self.skim_change(program, now, changed, tell)) {
-                return false;
-            }
+        let Some(row) = Row::of(&program.columns, cells) else {
+            self.inputs.row = Row::default();
+            return false;
+        };
+        let before = core::mem::replace(&mut self.inputs.row, row);
+        if (row != before || now >= self.calm_until)
+            && (before == Row::default() || !self.skim_change(program, now, row.0 ^ before.0, tell))
+        {
+            return false;
         }
         (self.newest, self.last, self.last_instant) = (now, Some(now), now);
         self.instants += 1;
@@ -38,30 +57,28 @@ impl Piece {
     /// A row in which these columns toggle, or at which a bound may run out.
     #[inline(always)]
     fn skim_change(&mut self, program: &Program, now: i64, changed: u64, tell: &mut impl Observer) -> bool {
-        let letter = bits(changed).fold(0, |letter, column| letter ^ program.letters[column]);
-        let toggle_all = |inputs: &mut Inputs| {
-            for column in bits(changed) {
-                toggle(&mut inputs.slots, &program.columns[column]);
-            }
-        };
-        !self.inputs.woken && self.glide(program, now, letter, toggle_all, tell)
+        if self.inputs.woken {
+            return false;
+        }
+        let letter = toggle(program, changed, &mut self.inputs.slots);
+        let is_known = self.glide(program, now, letter, tell);
+        if !is_known {
+            // As it was: what takes the row in as any other finds out what changed.
+            toggle(program, changed, &mut self.inputs.slots);
+        }
+        is_known
     }
 }
 
-/// A row as a word, where its cells are truth values.
-#[inline]
-fn word(columns: &[Column], cells: &[Value]) -> Option<u64> {
-    let mut word = 0;
-    for (i, column) in columns.iter().enumerate() {
-        let Some(Value::Bool(is)) = cells.get(column.cell) else { return None };
-        word |= u64::from(*is) << i;
-    }
-    Some(word)
-}
-
+/// Toggles the signals of some columns, and gives the letter that they make.
 #[inline(always)]
-fn toggle(slots: &mut [Value], column: &Column) {
-    if let Some(Value::Bool(is)) = slots.get_mut(column.slot) {
-        *is = !*is;
+fn toggle(program: &Program, changed: u64, slots: &mut [Value]) -> u32 {
+    let mut letter = 0;
+    for i in bits(changed) {
+        letter ^= program.letters[i];
+        if let Some(Value::Bool(is)) = slots.get_mut(program.columns[i].slot) {
+            *is = !*is;
+        }
     }
+    letter
 }

@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 
 use serde::{Deserialize, Serialize};
 
-use crate::automaton::{Automaton, Place, expired};
+use crate::automaton::{Automaton, Move, Place, expired};
 use crate::inputs::Inputs;
 use crate::latest::Latest;
 use crate::node::{Notes, View};
@@ -124,18 +124,18 @@ impl Walk {
         self.last = Some(here.now);
     }
 
-    /// The number of the automaton's move for a position, where it is known and there is nothing else to do.
+    /// The automaton's move for a position, where it is known and there is nothing else to do.
     ///
     /// The position before is the instant before, at `before`.
     // PERF: the signals of most logical formulas are truth values, and most of their moves have been made before.
     #[inline(always)]
-    pub fn known_move(
+    pub fn known_move<'a>(
         &mut self,
-        (automaton, alphabet): (&Automaton, &Alphabet),
+        (automaton, alphabet): (&'a Automaton, &Alphabet),
         letter: u32,
         now: i64,
         before: i64,
-    ) -> Option<usize> {
+    ) -> Option<&'a Move> {
         if self.again != 0 || now.wrapping_sub(before).cast_unsigned() > alphabet.shortest {
             return None;
         }
@@ -151,15 +151,11 @@ impl Walk {
 
     /// Makes a move that is known. Gives the word of all registers before it and after.
     #[inline(always)]
-    pub fn follow(&mut self, (automaton, alphabet): (&Automaton, &Alphabet), known: usize, before: i64) -> (u64, u64) {
+    pub fn follow(&mut self, known: &Move, before: i64) -> (u64, u64) {
         let Walk { place, latest, alarm, registers, .. } = self;
-        let word = &mut registers.bits[0];
-        let old = *word;
-        if let Some(made) = automaton.get(known) {
-            (*word, *place) = (made.word, made.to);
-            made.leave_marks(alphabet, latest, before, alarm);
-        }
-        (old, *word)
+        known.leave_marks(latest, before, alarm);
+        *place = known.to;
+        (core::mem::replace(&mut registers.bits[0], known.word), known.word)
     }
 
     /// Runs what is due. All truth values are in one word.
@@ -195,13 +191,13 @@ impl Walk {
     ) -> u64 {
         let letter = alphabet.letter(old ^ leaves);
         if let Some(known) = self.known_move((automaton, alphabet), letter, here.now, before) {
-            return self.follow((automaton, alphabet), known, before).1;
+            return self.follow(known, before).1;
         }
         let Walk { place, latest, alarm, .. } = self;
         let (over, next) = expired(alphabet, latest, (here.now, before));
         *alarm = next;
         let made = automaton.make(alphabet, &here.at.ops, latest, (old, leaves), over);
-        made.leave_marks(alphabet, latest, before, alarm);
+        made.leave_marks(latest, before, alarm);
         *place = made.to;
         made.word
     }
@@ -235,8 +231,8 @@ impl Walk {
     #[inline(never)]
     fn step(&mut self, i: usize, word: u64, here: Here<'_>) -> (bool, i64) {
         let scene = Scene { here, before: self.last, notes: &self.notes };
-        let memories = (&mut self.memories[i], &mut self.latest);
-        let stepped = past::step(i, memories, &scene, &[word], &mut self.registers.values);
+        let op = (i, &here.at.ops[i]);
+        let stepped = past::slow(op, &mut self.memories[i], &scene, &[word], &mut self.registers.values);
         note_fault(&self.notes, &mut self.faults, i);
         stepped
     }

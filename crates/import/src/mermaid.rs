@@ -48,6 +48,9 @@ pub(crate) fn read(text: &str, base: usize, name: &str, sheet: &mut Sheet, repor
         return;
     }
     reader.annotate();
+    if reader.failed {
+        return;
+    }
     reader.name_states();
     reader.read_labels();
     let chart = reader.chart;
@@ -129,9 +132,8 @@ impl Reader<'_> {
             } else {
                 self.line(line.trim_end_matches(';').trim_end(), place);
             }
-            if self.chart.nodes.len() > MOST_NODES || self.chart.arrows.len() > MOST_ARROWS {
-                let message = format!("the diagram has more than {MOST_NODES} states or {MOST_ARROWS} arrows");
-                return self.wrong(start..start, Code::ImportRefused, message);
+            if !self.is_within_limits(start) {
+                return;
             }
         }
         if !begun {
@@ -141,6 +143,17 @@ impl Reader<'_> {
                 "there is no state diagram: it begins with `stateDiagram-v2`",
             );
         }
+    }
+
+    /// Whether there are no more states, arrows and comments on states than are read; it is told, at a place in the file, where there are.
+    fn is_within_limits(&mut self, at: usize) -> bool {
+        let states = self.chart.nodes.len().max(self.annotated.len());
+        let within = states <= MOST_NODES && self.chart.arrows.len() <= MOST_ARROWS;
+        if !within {
+            let message = format!("the diagram has more than {MOST_NODES} states or {MOST_ARROWS} arrows");
+            self.wrong(at..at, Code::ImportRefused, message);
+        }
+        within
     }
 
     /// `%% lapwing: state turn when …`
@@ -171,7 +184,11 @@ impl Reader<'_> {
             let named = |n: &usize| self.chart.nodes[*n].id == name && *n != scope && self.chart.is_in(*n, scope);
             let found = (0..self.chart.nodes.len()).find(named);
             // A state to which no arrow leads may stand in a comment alone.
+            let at = place.start;
             let node = found.unwrap_or_else(|| self.chart.add(&name, Kind::State, scope, place));
+            if !self.is_within_limits(at) {
+                return;
+            }
             self.chart.nodes[node].own =
                 Clauses { bounds: [&self.chart.nodes[node].own.bounds[..], &clauses.bounds].concat(), ..clauses };
             ranked.entry(scope).or_default().push(node);
@@ -402,10 +419,7 @@ impl Reader<'_> {
         for number in 0..self.chart.arrows.len() {
             let Some((text, at)) = self.labels.get(number).cloned() else { continue };
             let from = self.chart.arrows[number].from;
-            let annotated = {
-                let outer = (0..self.chart.nodes.len()).filter(|n| self.chart.nodes[*n].annotation.is_some());
-                outer.into_iter().any(|n| self.chart.is_in(from, n))
-            };
+            let annotated = self.chart.around(from).any(|n| self.chart.nodes[n].annotation.is_some());
             let place = match (annotated, self.chart.nodes[from].kind) {
                 (_, Kind::Choice) => Place::Choice,
                 (true, _) => Place::Machine,

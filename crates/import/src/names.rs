@@ -94,6 +94,10 @@ const MOST_LETTERS: usize = 120;
 pub(crate) struct Taken(BTreeSet<String>);
 
 impl Taken {
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.0.contains(name)
+    }
+
     /// That name, or one like it that is free; it is taken then.
     pub(crate) fn take(&mut self, wanted: &str) -> String {
         let mut name = wanted.to_owned();

@@ -257,6 +257,13 @@ fn what_multiplies_is_refused_before_it_does() {
     let layers: String = (0..14).flat_map(|n| (0..4).map(move |k| format!("c{n} --> c{} : x{k}\n", n + 1))).collect();
     let came = imported("m.mmd", &format!("stateDiagram-v2\n{choices}[*] --> a\na --> c0 : go\n{layers}"));
     assert!(came.found.starts_with("import-refused") && came.text.is_empty(), "{}", came.found);
+    // Comments add states as lines do.
+    let said = |count: usize| -> String { (0..count).map(|n| format!("%% lapwing: state s{n}\n")).collect() };
+    let drawn: String = (0..600).map(|n| format!("d{n}\n")).collect();
+    for text in [said(1_001), said(600) + &drawn] {
+        let came = imported("m.mmd", &format!("stateDiagram-v2\n[*] --> a\n{text}"));
+        assert_eq!((came.found.as_str(), came.text.as_str()), ("import-refused: \"\"\n", ""));
+    }
     let guarded: String = (0..80).map(|n| format!("<transition event='e' cond='x == {n}' target='s{n}'/>")).collect();
     let states: String = (0..80).map(|n| format!("<state id='s{n}'/>")).collect();
     let chart = |transitions: &str| format!("<scxml><state id='a'>{transitions}</state>{states}</scxml>");

@@ -326,3 +326,12 @@ fn names_that_are_taken_or_mean_something_are_others() {
     assert!(came.text.contains("property b: ltl([] (b_next => A))"), "{}", came.text);
     assert!(came.text.contains("state `when`") && came.text.contains("property a: ltl([] !`next`)"), "{}", came.text);
 }
+
+#[test]
+fn a_name_that_nobody_got_is_free() {
+    let text = "A(R r) { event go before(): call(void R.go()) {} ltl: [] !go }\n\
+                B(R r) { event go before(): call(void R.run()) {} event go_2 before(): call(void R.on()) {} ltl: [](go => go_2) }\n";
+    let came = imported("ab.mop", text).sound();
+    assert_eq!(came.found.matches("import-renamed").count(), 1, "{}", came.found);
+    assert!(came.text.contains("property b: ltl([] (b_go => go_2))"), "{}", came.text);
+}

@@ -7,6 +7,8 @@ use std::fmt;
 use std::time::Duration;
 
 use bytes::Bytes;
+/// How messages are encoded on a graph.
+pub use lapwing_record::Encoding;
 use lapwing_record::RawChannel;
 use lapwing_stream::Time;
 
@@ -168,15 +170,6 @@ pub trait Connector: Send {
     /// The definition of a service's or a message's type, where the graph or the machine has it: `std_srvs/srv/Trigger`.
     /// Of a service, its request's and its answer's.
     fn definition(&mut self, type_name: &str) -> Result<Definition, Refused>;
-}
-
-/// How messages are encoded on a graph.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Encoding {
-    /// ROS 1's serialisation.
-    Ros1,
-    /// CDR, little-endian, with its encapsulation header.
-    Cdr,
 }
 
 /// The definition of a type, in the text form of its dialect, with those that it depends on.

@@ -3,6 +3,7 @@
 //!
 //! - [`connector`]: what a transport says and takes, the same for each.
 //! - [`inbox`]: the bounded queue between the threads that receive and the one that judges.
+//! - [`server`]: takes connections in.
 //! - `ros1` (with the feature of that name): a node of a ROS 1 graph.
 //! - `ros2` (with the feature of that name): a node of a ROS 2 graph.
 
@@ -15,3 +16,4 @@ pub mod inbox;
 pub mod ros1;
 #[cfg(feature = "ros2")]
 pub mod ros2;
+pub mod server;

@@ -17,7 +17,7 @@ const MOST_KEYS: usize = 64;
 /// A logger that tells a monitor what the program logs.
 ///
 /// The key-value pairs of a record are fields: they set signals, and are what `set Type.field` waits for, with the record's target as
-/// the module. A record whose message is the name of a declared event, word for word, is that event: `info!("kick"; "power" => 3.0)`.
+/// the module. A record whose message is the name of a declared event, word for word, is that event: `info!(power = 3.0; "kick")`.
 /// `log` has no spans, so that calls and returns are not seen.
 pub struct LogBridge {
     shared: Arc<Shared>,

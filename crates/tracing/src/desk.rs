@@ -26,6 +26,9 @@ pub(crate) const DEEPEST: u32 = 16;
 /// So many names that the specification does not know are remembered, to be told.
 const MOST_UNKNOWN: usize = 16;
 
+/// So many different warnings of what went wrong in handlers and listeners are kept, to be told.
+const MOST_WARNINGS: usize = 64;
+
 thread_local! {
     /// How many handlers this thread is inside of.
     static DEPTH: Cell<u32> = const { Cell::new(0) };
@@ -91,6 +94,8 @@ struct Inner {
     done: Done,
     recorder: Option<Recorder>,
     warnings: Vec<Warning>,
+    /// Whether there were more warnings than are kept.
+    has_more_warnings: bool,
     report: Option<Report>,
 }
 
@@ -158,6 +163,7 @@ impl Desk {
             done: Done::default(),
             recorder,
             warnings: Vec::new(),
+            has_more_warnings: false,
             report: None,
             monitor,
         };
@@ -176,11 +182,18 @@ impl Desk {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// This thread comes to the desk. Whoever stands there already, and so under the lock, is turned away.
+    fn come(&self) -> Option<AtDesk> {
+        let at_desk = AtDesk::enter();
+        if at_desk.is_none() {
+            self.has_turned_away.store(true, Ordering::Relaxed);
+        }
+        at_desk
+    }
+
     /// Something arrives. What it violates is answered before this returns.
     pub fn arrive(&self, bringer: Bringer, what: impl FnOnce(&mut Arrival<'_>)) {
-        let Some(at_desk) = AtDesk::enter() else {
-            return self.has_turned_away.store(true, Ordering::Relaxed);
-        };
+        let Some(at_desk) = self.come() else { return };
         let all_news = self.take(what);
         drop(at_desk);
         all_news.iter().for_each(|news| self.answer(bringer, news));
@@ -209,6 +222,7 @@ impl Desk {
 
     /// A name that the specification does not declare was used.
     pub fn note_unknown(&self, name: &str) {
+        let Some(_at_desk) = self.come() else { return };
         let mut inner = self.lock();
         if inner.unknown.len() < MOST_UNKNOWN && !inner.unknown.contains(name) {
             inner.unknown.insert(name.to_owned());
@@ -227,6 +241,8 @@ impl Desk {
 
     /// Whether a reaction that is limited may be carried out now.
     fn may(&self, number: usize, every: Duration, news: &News) -> bool {
+        // A clock that raises events would otherwise be asked about the reactions to these in turn, without end.
+        let _at_desk = AtDesk::enter();
         let now = self.clock.now();
         self.lock().done.may(number, every, news, now)
     }
@@ -317,15 +333,20 @@ impl Desk {
         self.changed.notify_all();
     }
 
-    /// The property whose violation stopped it, where one did.
+    /// The property whose violation stopped it, where one did; nothing to a thread that stands at the desk.
     pub fn stopped_by(&self) -> Option<String> {
+        let _at_desk = AtDesk::enter()?;
         self.lock().stopped_by.clone()
     }
 
     /// It is over: what is said of every property. `unseen` says what nobody could see, given which events somebody has raised.
+    /// A thread that stands at the desk ends nothing, and gets a report that says so.
     pub fn finish(&self, unseen: impl FnOnce(&[bool]) -> Unseen) -> Report {
         self.advance();
-        let _at_desk = AtDesk::enter();
+        let Some(_at_desk) = self.come() else {
+            let gap = "the report was asked for by the clock or the writer of the recording, while something arrived";
+            return Report { gaps: vec![gap.to_owned()], ..Report::default() };
+        };
         let mut inner = self.lock();
         if let Some(report) = &inner.report {
             return report.clone();
@@ -339,22 +360,33 @@ impl Desk {
         for property in &mut report.properties {
             property.reactions = inner.done.told(&property.name);
         }
+        report.warnings.append(&mut inner.warnings);
+        if inner.has_more_warnings {
+            report.warnings.push(Warning::plain(format!(
+                "there were more than {MOST_WARNINGS} such warnings; the others are not listed"
+            )));
+        }
         if let Some(error) = inner.recorder.as_mut().and_then(Recorder::finish) {
-            warn(&mut inner, format!("not everything that arrived was recorded: {error}"));
+            let message = format!("not everything that arrived was recorded: {error}");
+            report.warnings.push(Warning::plain(message));
         }
         if self.has_turned_away.load(Ordering::Relaxed) {
             let message = "what the clock or the writer of the recording raised was not seen: they are called while something else arrives";
-            warn(&mut inner, message.to_owned());
+            report.warnings.push(Warning::plain(message));
         }
-        report.warnings.append(&mut inner.warnings);
         report.warnings.extend(unknown(&inner.unknown, report.specs.first()));
         inner.report = Some(report.clone());
         report
     }
 }
 
+/// Keeps a warning for the report, once. Those of the report itself are added to it, however many there are of these.
 fn warn(inner: &mut Inner, message: String) {
-    if inner.warnings.iter().all(|w| w.message != message) {
+    if inner.warnings.iter().any(|w| w.message == message) {
+        return;
+    }
+    inner.has_more_warnings |= inner.warnings.len() >= MOST_WARNINGS;
+    if !inner.has_more_warnings {
         inner.warnings.push(Warning::plain(message));
     }
 }

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::sync::Arc;
 
-use lapwing_check::checked::{self, EventSource, Step};
+use lapwing_check::checked::{self, EventSource};
 use lapwing_react::Report;
 use lapwing_stream::Value;
 use tracing::Subscriber;
@@ -19,6 +19,7 @@ use crate::scratch::Scratch;
 use crate::site::{Passing, Site};
 use crate::sites::Sites;
 use crate::spans::Spans;
+use crate::wants::field_name;
 
 /// A specification at work inside the program. Clones are the same monitor.
 ///
@@ -70,7 +71,7 @@ pub(crate) struct Names {
 impl Names {
     pub fn of(meaning: &checked::Spec) -> Names {
         let told = meaning.events.iter().enumerate().filter(|(_, e)| can_be_told(&e.source));
-        let fields = |event: &checked::Event| event.fields.iter().map(|f| first_step(&f.path)).collect();
+        let fields = |event: &checked::Event| event.fields.iter().map(|f| field_name(&f.path)).collect();
         Names {
             events: told.map(|(number, event)| (event.name.clone(), (number, fields(event)))).collect(),
             columns: meaning.columns.iter().enumerate().map(|(number, name)| (name.clone(), number)).collect(),
@@ -84,13 +85,6 @@ fn can_be_told(source: &EventSource) -> bool {
         EventSource::Named => true,
         EventSource::Point(point) => !point.path.is_empty(),
         _ => false,
-    }
-}
-
-fn first_step(path: &[Step]) -> String {
-    match path {
-        [Step::Field(name)] => name.clone(),
-        _ => String::new(),
     }
 }
 
@@ -146,7 +140,7 @@ impl Monitor {
         self.event_with(name, &[]);
     }
 
-    /// An event occurs, with fields.
+    /// An event occurs, with fields. A field of a field is given by its whole name, `pose.x`.
     pub fn event_with(&self, name: &str, fields: &[(&str, Value)]) {
         let Some((event, wanted)) = self.shared.names.events.get(name) else {
             return self.shared.desk.note_unknown(name);
@@ -194,12 +188,15 @@ impl Monitor {
         self.shared.desk.advance();
     }
 
-    /// The property whose violation ended the monitoring by `stop`, where one did.
+    /// The property whose violation ended the monitoring by `stop`, where one did. A clock, or a recording's writer, that asks while it is called
+    /// is told of none.
     pub fn stopped_by(&self) -> Option<String> {
         self.shared.desk.stopped_by()
     }
 
     /// Ends the monitoring: the report that `lapwing check` gives of the same events and values. Asked again, it gives the same report.
+    ///
+    /// A clock, or a recording's writer, that is called while something arrives cannot end it: its report has no properties, and a gap.
     pub fn finish(&self) -> Report {
         let Shared { desk, sites, assumed, .. } = &*self.shared;
         desk.finish(|raised| sites.unseen(raised, assumed))

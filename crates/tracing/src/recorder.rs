@@ -3,8 +3,10 @@
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-use lapwing_check::checked::{self, EventSource, Step};
+use lapwing_check::checked::{self, EventSource};
 use lapwing_stream::{Time, Value};
+
+use crate::wants::field_name;
 
 /// Keys of a line that say what it is: a field of such a name is left out.
 const RESERVED: [&str; 6] = ["t", "t_ns", "event", "topic", "values", "msg"];
@@ -93,11 +95,8 @@ impl Event {
     /// `None` for those of machines, which follow from the rest.
     fn of(event: &checked::Event) -> Option<Event> {
         let is_told = matches!(&event.source, EventSource::Named | EventSource::Point(_));
-        let field = |path: &[Step]| match path {
-            [Step::Field(name)] if !RESERVED.contains(&name.as_str()) => Some(name.clone()),
-            _ => None,
-        };
-        let fields = || event.fields.iter().map(|f| field(&f.path)).collect();
+        let written = |name: &String| !RESERVED.contains(&name.as_str());
+        let fields = || event.fields.iter().map(|f| Some(field_name(&f.path)).filter(written)).collect();
         is_told.then(|| Event { name: event.name.clone(), fields: fields() })
     }
 }

@@ -354,8 +354,8 @@ impl Draft {
     }
 }
 
-/// How a field of an event is named in a program: fields of fields have dots.
-fn field_name(path: &[Step]) -> String {
+/// What a field of an event is called by call sites, by those who tell it and in recordings: fields of fields have dots.
+pub(crate) fn field_name(path: &[Step]) -> String {
     let mut name = String::new();
     for step in path {
         match step {

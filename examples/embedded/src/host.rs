@@ -62,7 +62,9 @@ fn watch(input: &mut Input, output: &mut Output) -> Option<()> {
             warmed = heap::asked();
         }
     }
-    writeln!(output, "asked {} in {} rows", asked.checked_sub(warmed)?, rows - warm - 1).ok()?;
+    // The last is not counted.
+    let counted = rows.checked_sub(warm)?.checked_sub(1)?;
+    writeln!(output, "asked {} in {} rows", asked.checked_sub(warmed)?, counted).ok()?;
     for outcome in state.finish(&program, &Ending::default(), &mut ()) {
         let first = outcome.episodes.first().map_or((0, 0), |e| (e.began.0, e.failed.0));
         let counts = (outcome.met, outcome.failed, outcome.open);

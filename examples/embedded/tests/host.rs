@@ -3,7 +3,7 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 
 use lapwing_check::{TraceShape, check, compile::compile, load};
 use lapwing_diag::SourceMap;
@@ -107,15 +107,29 @@ fn build() -> PathBuf {
     target.join(if cfg!(debug_assertions) { "debug" } else { "release" }).join("embedded")
 }
 
+/// Runs the host on that input.
+fn run(input: &[u8]) -> Output {
+    let mut host = Command::new(build()).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("the host runs");
+    host.stdin.take().expect("its input").write_all(input).expect("it reads all of it");
+    host.wait_with_output().expect("it ends")
+}
+
 #[test]
 fn an_engine_without_a_standard_library_says_the_same_and_asks_for_no_memory() {
     let program = program();
-    let mut host = Command::new(build()).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("the host runs");
-    host.stdin.take().expect("its input").write_all(&input(&program)).expect("it reads all of it");
-    let output = host.wait_with_output().expect("it ends");
+    let output = run(&input(&program));
     assert!(output.status.success(), "{:?}", output.status);
     let said = String::from_utf8(output.stdout).expect("text");
     assert_eq!(said, format!("asked 0 in {} rows\n{}", ROWS - WARM - 1, expected(&program)));
     let verdicts: Vec<&str> = said.lines().skip(1).filter_map(|line| line.split(' ').next()).collect();
     assert_eq!(verdicts, ["holds", "holds", "holds", "violated", "satisfied", "holds"], "{said}");
+}
+
+#[test]
+fn no_rows_to_count_are_an_error_and_no_panic() {
+    let mut input = input(&program());
+    // A stamp, and of each cell its kind and its bits.
+    let row = 8 + COLUMNS.len() * 9;
+    input.truncate(input.len() - (ROWS - WARM) as usize * row);
+    assert_eq!(run(&input).status.code(), Some(1));
 }

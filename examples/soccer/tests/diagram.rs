@@ -1,8 +1,8 @@
 //! The state diagram as it is written: eight states, twelve transitions, and the drawing of the README.
 
-use std::fs;
-use std::path::Path;
+mod common;
 
+use common::readme_has;
 use lapwing::explain::{Picture, draw};
 use soccer::game::{SPEC, spec};
 use soccer::watch::DIAGRAM;
@@ -31,14 +31,5 @@ fn the_readme_has_the_diagram() {
     let diagram = SPEC.split("\nevent ").next().unwrap();
     let alone = lapwing::Spec::parse("soccer.rv", diagram, &|_| None).unwrap();
     let drawn = draw(&alone, None, &lapwing::Options::default(), Picture::Mermaid).unwrap().unwrap();
-    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
-    let there = fs::read_to_string(&page).unwrap();
-    let (before, rest) = there.split_once("<!-- diagram -->\n").unwrap();
-    let (_, after) = rest.split_once("<!-- /diagram -->").unwrap();
-    let wanted = format!("{before}<!-- diagram -->\n```mermaid\n{}\n```\n<!-- /diagram -->{after}", drawn.trim_end());
-    if std::env::var_os("BLESS").is_some() {
-        fs::write(&page, wanted).unwrap();
-    } else {
-        assert!(there == wanted, "README.md is out of date: BLESS=1 cargo test -p soccer --test diagram");
-    }
+    readme_has("diagram", &format!("```mermaid\n{}\n```\n", drawn.trim_end()), "diagram");
 }

@@ -5,7 +5,7 @@ use std::process::Command;
 
 use lapwing_codegen::Generated;
 
-use super::{C_FLAGS, compile_with, driver};
+use super::{C_FLAGS, compile_with, driver, put};
 
 const LINKER_SCRIPT: &str = include_str!("cortex/board.ld");
 const VECTORS: &str = include_str!("cortex/vectors.c");
@@ -57,10 +57,6 @@ fn measured(object: &Path) -> Result<[usize; 3], String> {
     let numbers = text.lines().nth(1).into_iter().flat_map(str::split_whitespace).filter_map(|w| w.parse().ok());
     let sizes: Vec<usize> = numbers.take(3).collect();
     sizes.try_into().map_err(|_| format!("`{text}` is not what arm-none-eabi-size prints"))
-}
-
-fn put(path: &Path, text: &str) -> Result<(), String> {
-    std::fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()))
 }
 
 /// The properties of the soccer robot.

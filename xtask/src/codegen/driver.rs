@@ -78,7 +78,7 @@ CHOICES            _ => panic!("no such monitor"),
 pub fn c(monitors: &[&Generated]) -> String {
     let mut text = "#include <stdio.h>\n#include <stdlib.h>\n#include <string.h>\n#include <inttypes.h>\n".to_owned();
     let mut choices = String::new();
-    for (_, monitor) in monitors.iter().enumerate() {
+    for monitor in monitors {
         text += &format!("#include \"{}.c\"\n", monitor.interface.prefix);
     }
     text += "static char line[65536];\n";

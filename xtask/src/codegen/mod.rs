@@ -14,6 +14,7 @@ use lapwing_reference::Trace;
 use lapwing_stream::{Time, Verdict};
 
 use crate::agree::{self, Drive};
+use crate::suite::{cases, pages, runs};
 
 /// A specification and a trace, and what to call them when something is wrong.
 #[derive(Clone, Debug)]
@@ -32,6 +33,21 @@ impl Case {
         let (spec, trace, text) = crate::random::checked_case(seed)?;
         Some(Case { label: format!("seed {seed}\n{text}\n{trace:?}"), spec, trace })
     }
+}
+
+/// The cases of the suite on whose traces verdicts are expected; the traces are written to the folder.
+pub fn of_suite(folder: &Path) -> Result<Vec<Case>, String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../suite");
+    let mut all = Vec::new();
+    for page in pages(&root) {
+        let text = std::fs::read_to_string(&page).map_err(|e| format!("{}: {e}", page.display()))?;
+        for case in cases(&page.to_string_lossy(), &text) {
+            let label = format!("{}:{}: {}\n{}", case.file, case.line, case.heading, case.spec);
+            let runs = runs(&case, folder).into_iter();
+            all.extend(runs.map(|(spec, trace)| Case { label: label.clone(), spec, trace }));
+        }
+    }
+    Ok(all)
 }
 
 /// How many properties there were, and what became of them.
@@ -155,21 +171,20 @@ fn compare(target: Target, runs: &[&Run], said: &[Vec<Said>], wrong: &mut Vec<St
 
 /// Compiles monitors and a program that drives them. Gives the program, and what runs it.
 fn build(target: Target, monitors: &[&Generated], folder: &Path) -> Result<(PathBuf, Command), String> {
-    let failed = |path: &Path, e: std::io::Error| format!("{}: {e}", path.display());
     let program = match target {
         Target::Rust => {
             let (source, program) = (folder.join("monitors.rs"), folder.join("monitors_rust"));
-            std::fs::write(&source, driver::rust(monitors)).map_err(|e| failed(&source, e))?;
+            put(&source, &driver::rust(monitors))?;
             let arguments = ["--edition", "2024", "-C", "debuginfo=0", "-C", "overflow-checks=on", "-o"];
             compile_with(Command::new(rustc()).args(arguments).arg(&program).arg(&source))?;
             program
         }
         Target::C => {
             for (name, text) in monitors.iter().flat_map(|m| &m.files) {
-                std::fs::write(folder.join(name), text).map_err(|e| failed(&folder.join(name), e))?;
+                put(&folder.join(name), text)?;
             }
             let (source, program) = (folder.join("monitors.c"), folder.join("monitors_c"));
-            std::fs::write(&source, driver::c(monitors)).map_err(|e| failed(&source, e))?;
+            put(&source, &driver::c(monitors))?;
             compile_with(Command::new("cc").args(C_FLAGS).arg("-o").arg(&program).arg(&source).arg("-lm"))?;
             program
         }
@@ -179,6 +194,10 @@ fn build(target: Target, monitors: &[&Generated], folder: &Path) -> Result<(Path
         }
     };
     Ok((program.clone(), Command::new(program)))
+}
+
+fn put(path: &Path, text: &str) -> Result<(), String> {
+    std::fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()))
 }
 
 /// How generated C must compile.

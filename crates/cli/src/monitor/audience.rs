@@ -3,8 +3,6 @@
 use lapwing::live::View;
 use lapwing_react::Event;
 
-use super::serve::Board;
-
 /// Someone to whom everything is shown.
 pub trait Audience {
     /// A new run begins.
@@ -15,18 +13,4 @@ pub trait Audience {
 
     /// How things stand.
     fn look(&mut self, view: &View);
-}
-
-impl Audience for Board {
-    fn begin(&mut self) {
-        Board::begin(self);
-    }
-
-    fn event(&mut self, _: Event<'_>, json: &str) {
-        Board::event(self, json);
-    }
-
-    fn look(&mut self, view: &View) {
-        self.view(view);
-    }
 }

@@ -6,7 +6,7 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 
 use foxglove::{Context, FoxgloveError, PartialMetadata, RawChannel, Schema, WebSocketServerHandle};
-use lapwing::live::{PropertyView, StateNow, TrackView, View};
+use lapwing::live::{PropertyView, TrackView, View};
 use lapwing_react::history::Shape;
 use lapwing_react::{Event, Role};
 use lapwing_stream::Time;
@@ -166,19 +166,13 @@ fn stamped(at: Time) -> PartialMetadata {
 
 /// How a property stands, as a `diagnostic_msgs/DiagnosticStatus`.
 fn status(property: &PropertyView, source: &str) -> Value {
-    let (level, message) = match property.state {
-        StateNow::Good => (0, "good".to_owned()),
-        StateNow::Waiting => (1, "waiting".to_owned()),
-        StateNow::Violated if property.violations == 1 => (2, "violated once".to_owned()),
-        StateNow::Violated => (2, format!("violated {} times", property.violations)),
-        StateNow::Blind => (3, "blind".to_owned()),
-    };
+    let (level, message) = property.diagnosis();
     let values = property.values.iter().filter(|reading| reading.role == Role::Value);
     let values = values.map(|r| json!({ "key": r.name, "value": lapwing_react::shown::value(&r.value) }));
     json!({
         "level": level,
         "name": format!("lapwing: {}", property.name),
-        "message": property.cause.clone().unwrap_or(message),
+        "message": message,
         "hardware_id": source,
         "values": values.collect::<Vec<_>>(),
     })

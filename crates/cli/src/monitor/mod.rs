@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use lapwing::live::{Ended, Latency, LiveOptions, Outcome, Reach, Station, Touch, touches};
 use lapwing::{Options, Spec};
 use lapwing_diag::Style;
-use lapwing_react::{Format, Standing, Tally, end, render};
+use lapwing_react::{Format, Standing, Tally, end};
 use lapwing_ros::connector::Connector;
 
 use crate::complain::{Complaint, say, styles};
@@ -54,7 +54,7 @@ fn audiences(monitor: &Monitor) -> Result<Vec<Box<dyn Audience>>, Complaint> {
     if let Some(at) = monitor.serve.as_deref() {
         let server = Server::start(at)?;
         say(&format!("showing how things stand at http://{}/\n", server.address()));
-        audiences.push(Box::new(server.board()));
+        audiences.push(Box::new(server));
     }
     #[cfg(feature = "foxglove")]
     if let Some(at) = monitor.foxglove.as_deref() {
@@ -108,9 +108,8 @@ fn touched(touches: &[Touch], is_dry: bool) -> String {
     }
     let may = if is_dry { "would" } else { "may" };
     let line = |touch: &Touch| {
-        let verb = touch.how.strip_suffix('s').unwrap_or(touch.how).replace("publishe", "publish");
         let ty = if touch.type_name.is_empty() { String::new() } else { format!(" ({})", touch.type_name) };
-        format!("  {may} {verb} {}{ty} by {}\n", touch.name, touch.property)
+        format!("  {may} {} {}{ty} by {}\n", touch.how.verb(), touch.name, touch.property)
     };
     format!("what is done to the robot:\n{}", touches.iter().map(line).collect::<String>())
 }
@@ -241,13 +240,10 @@ fn figures(station: &Station) -> String {
     text
 }
 
-/// A report as a part of the document.
-fn rendered(report: &lapwing::Report, format: Format, style: Style) -> String {
-    render(report, format, style)
-}
-
 #[cfg(test)]
 mod tests {
+    use lapwing::live::How;
+
     use super::*;
 
     #[test]
@@ -261,7 +257,7 @@ mod tests {
     fn what_may_be_touched_is_said() {
         let touch =
             |how| Touch { name: "/x".to_owned(), how, type_name: "a/B".to_owned(), property: "calm".to_owned() };
-        let text = touched(&[touch("publishes"), touch("calls"), touch("guards")], false);
+        let text = touched(&[touch(How::Publish), touch(How::Call), touch(How::Guard)], false);
         assert!(
             text.contains("may publish /x (a/B) by calm")
                 && text.contains("may call /x")

@@ -7,12 +7,11 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use lapwing::live::{Onlooker, View};
 use lapwing::{Report, Spec, Watch};
 use lapwing_diag::Style;
-use lapwing_react::{Event, Format, Standing, line};
+use lapwing_react::{Event, Format, Standing, line, render};
 use lapwing_stream::Time;
 
 use super::audience::Audience;
 use super::lines::Lines;
-use super::rendered;
 use super::screen::Screen;
 use super::signals::Signals;
 use crate::complain::say;
@@ -94,7 +93,7 @@ impl Looker {
         let is_left_out = self.quiet && self.format == Format::Text && report.standing() == Standing::Good;
         if !is_left_out {
             let gap = if self.format == Format::Text { "\n" } else { "" };
-            let text = rendered(report, self.format, self.styles.0);
+            let text = render(report, self.format, self.styles.0);
             self.out(&format!("{gap}{text}"));
         }
     }
@@ -144,10 +143,12 @@ impl Watch for Looker {
                 }
             }
         }
-        let json = line(&self.source, event);
-        self.audiences.iter_mut().for_each(|audience| audience.event(event, &json));
-        if self.format == Format::Ndjson {
-            self.out(&json);
+        if self.format == Format::Ndjson || !self.audiences.is_empty() {
+            let json = line(&self.source, event);
+            self.audiences.iter_mut().for_each(|audience| audience.event(event, &json));
+            if self.format == Format::Ndjson {
+                self.out(&json);
+            }
         }
         if let Some((text, is_bad)) = self.lines.of(event) {
             self.line(&text, is_bad);

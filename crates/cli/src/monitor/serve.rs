@@ -13,14 +13,15 @@ mod state;
 
 use std::io::{self, BufReader, Read, Write};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream, ToSocketAddrs};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
 use std::time::Duration;
 
-pub use board::Board;
+use board::Board;
 use http::{MOST_BYTES, Patient, Request};
+use lapwing::live::View;
+use lapwing_react::Event;
+use lapwing_ros::server::Server as Listening;
 
+use super::audience::Audience;
 use crate::complain::Complaint;
 
 /// So many connections are answered at once.
@@ -29,9 +30,9 @@ const MOST_CONNECTIONS: usize = 64;
 /// A connection takes so long at most.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// A server that runs.
+/// A server that runs, until it is dropped.
 pub struct Server {
-    address: SocketAddr,
+    listening: Listening,
     board: Board,
 }
 
@@ -47,19 +48,29 @@ impl Server {
         let address = listener.local_addr().map_err(|e| wrong(e.to_string()))?;
         let board = Board::default();
         let shown = board.clone();
-        let listen = move || listen(&listener, address, &shown);
-        thread::Builder::new().name("lapwing-serve".to_owned()).spawn(listen).map_err(|e| wrong(e.to_string()))?;
-        Ok(Server { address, board })
+        // Whoever asked is gone, or was too slow: nothing is to be done about it.
+        let work = move |stream: TcpStream| drop(answer(&stream, address, &shown));
+        let listening = Listening::start("lapwing-serve", listener, MOST_CONNECTIONS, work);
+        Ok(Server { listening: listening.map_err(|e| wrong(e.to_string()))?, board })
     }
 
     /// Where it listens.
     pub fn address(&self) -> SocketAddr {
-        self.address
+        self.listening.address()
+    }
+}
+
+impl Audience for Server {
+    fn begin(&mut self) {
+        self.board.begin();
     }
 
-    /// What it shows.
-    pub fn board(&self) -> Board {
-        self.board.clone()
+    fn event(&mut self, _: Event<'_>, json: &str) {
+        self.board.event(json);
+    }
+
+    fn look(&mut self, view: &View) {
+        self.board.view(view);
     }
 }
 
@@ -71,25 +82,6 @@ pub fn address(text: &str) -> Result<SocketAddr, String> {
     }
     let mut found = text.to_socket_addrs().map_err(|e| format!("it is no address: {e}"))?;
     found.next().ok_or_else(|| "it is no address".to_owned())
-}
-
-fn listen(listener: &TcpListener, address: SocketAddr, board: &Board) {
-    let open = Arc::new(AtomicUsize::new(0));
-    for stream in listener.incoming().flatten() {
-        if open.fetch_add(1, Ordering::Relaxed) >= MOST_CONNECTIONS {
-            open.fetch_sub(1, Ordering::Relaxed);
-            continue;
-        }
-        let (board, done) = (board.clone(), open.clone());
-        let work = move || {
-            // Whoever asked is gone, or was too slow: nothing is to be done about it.
-            drop(answer(&stream, address, &board));
-            done.fetch_sub(1, Ordering::Relaxed);
-        };
-        if thread::Builder::new().name("lapwing-answer".to_owned()).spawn(work).is_err() {
-            open.fetch_sub(1, Ordering::Relaxed);
-        }
-    }
 }
 
 fn answer(stream: &TcpStream, address: SocketAddr, board: &Board) -> io::Result<()> {

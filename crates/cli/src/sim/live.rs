@@ -8,8 +8,8 @@ use std::io::BufWriter;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use lapwing_record::{Converter, Decoder, Dialect, Encoding as Bytes, Layout, Library, MessageType, RawChannel};
-use lapwing_ros::connector::{Arrival, Connector, Definition, Encoding, Happening, Offer, PublisherId, StreamId};
+use lapwing_record::{Converter, Decoder, Dialect, Encoding, Layout, Library, MessageType, RawChannel};
+use lapwing_ros::connector::{Arrival, Connector, Definition, Happening, Offer, PublisherId, StreamId};
 use lapwing_sim::message::Kind;
 use lapwing_sim::{Recorder, Scenario, Simulation};
 use lapwing_stream::Value;
@@ -24,6 +24,8 @@ const TICK: Duration = Duration::from_millis(100);
 /// So long a run waits for somebody to command its robots before it begins all the same, and so long after that.
 const PATIENCE: Duration = Duration::from_secs(10);
 const SETTLE: Duration = Duration::from_secs(1);
+/// So many things that have come are heard when a message is due already: whoever floods the robot with commands does not stop its time.
+const TURN: usize = 256;
 /// A run that was late by less than this was on time.
 const LATE: Duration = Duration::from_millis(100);
 
@@ -146,19 +148,22 @@ impl<'g> Node<'g> {
         self.ears.iter().any(|(ear, _)| self.heard.values().all(|(place, _)| place != ear))
     }
 
-    /// Listens until a message is due. Whether the run goes on.
+    /// Listens until a message is due, and then to what has come, a turn of it. Whether the run goes on.
     fn listen(&mut self, due: Instant, simulation: &mut Simulation) -> bool {
-        loop {
+        let mut turn = 0;
+        while turn < TURN {
             if interrupt::is_stopped() {
                 return false;
             }
             let left = due.saturating_duration_since(Instant::now());
+            turn += usize::from(left.is_zero());
             match self.graph.next(left.min(TICK)) {
                 Some(arrival) => self.hear(&arrival, simulation),
                 None if left.is_zero() => return true,
                 None => {}
             }
         }
+        true
     }
 
     fn hear(&mut self, arrival: &Arrival, simulation: &mut Simulation) {
@@ -231,7 +236,7 @@ fn outlet(graph: &mut dyn Connector, topic: &str, kind: Kind) -> Result<Outlet, 
         messages: if to.is_some() { "ros1" } else { "cdr" }.to_owned(),
         ty: Ok(ty),
     };
-    let converter = to.map(|to| Converter::new(&MessageType::Cdr(own.layout.clone()), to, Bytes::Ros1)).transpose();
+    let converter = to.map(|to| Converter::new(&MessageType::Cdr(own.layout.clone()), to, Encoding::Ros1)).transpose();
     let publisher = graph.advertise(&channel, false).map_err(|refused| complain(refused.to_string()))?;
     Ok(Outlet { publisher, converter: converter.map_err(|e| complain(e.to_string()))? })
 }
@@ -244,4 +249,67 @@ fn as_ros1(graph: &mut dyn Connector, kind: Kind, own: &str) -> Result<(String, 
     };
     let layout = Library::default().layout(Dialect::Ros1, kind.name(), &definition).map_err(|e| e.to_string())?;
     Ok((definition, layout))
+}
+
+#[cfg(test)]
+mod tests {
+    use lapwing_ros::connector::{CallId, Refused};
+    use lapwing_stream::Time;
+
+    use super::*;
+
+    /// A graph on which so many things have come already.
+    struct Flood(usize);
+
+    impl Connector for Flood {
+        fn name(&self) -> String {
+            "a flood".to_owned()
+        }
+
+        fn encoding(&self) -> Encoding {
+            Encoding::Cdr
+        }
+
+        fn now(&self) -> Time {
+            Time(0)
+        }
+
+        fn subscribe(&mut self, _: &[String]) {}
+
+        fn next(&mut self, _: Duration) -> Option<Arrival> {
+            self.0 = self.0.checked_sub(1)?;
+            Some(Arrival { at: Time(0), what: Happening::Lost { stream: StreamId(0), count: 1 } })
+        }
+
+        fn advertise(&mut self, _: &RawChannel, _: bool) -> Result<PublisherId, Refused> {
+            Ok(PublisherId(0))
+        }
+
+        fn publish(&mut self, _: PublisherId, _: &[u8]) -> Result<(), Refused> {
+            Ok(())
+        }
+
+        fn call(&mut self, _: &str, _: &str, _: &[u8], _: Duration) -> Result<CallId, Refused> {
+            Err(Refused("there are no services here".to_owned()))
+        }
+
+        fn definition(&mut self, type_name: &str) -> Result<Definition, Refused> {
+            Err(Refused(format!("nobody knows {type_name} here")))
+        }
+    }
+
+    fn listening(graph: &mut dyn Connector) -> Node<'_> {
+        Node { graph, outlets: Vec::new(), ears: Vec::new(), heard: BTreeMap::new(), is_quiet: true }
+    }
+
+    #[test]
+    fn a_flood_of_messages_does_not_stop_the_time_of_the_simulator() {
+        let scenario = Scenario::bundled("docking").unwrap().unwrap();
+        let mut simulation = Simulation::new(&scenario, &lapwing_sim::Options::default());
+        let mut flood = Flood(TURN + 100);
+        assert!(listening(&mut flood).listen(Instant::now(), &mut simulation));
+        assert_eq!(flood.0, 100, "a turn was heard");
+        assert!(listening(&mut flood).listen(Instant::now(), &mut simulation));
+        assert_eq!(flood.0, 0, "and the rest of what had come");
+    }
 }

@@ -1,8 +1,10 @@
 //! `lapwing monitor`, run on a graph.
 
+use std::path::Path;
 use std::process::Command;
+use std::time::{Duration, Instant};
 
-use crate::graph::{Graph, Process};
+use crate::graph::{Graph, LIMIT, Process};
 
 /// A run of `lapwing monitor` in a folder of its own.
 pub struct Lapwing {
@@ -34,8 +36,21 @@ impl Lapwing {
     }
 
     /// The same, if it comes in that time.
-    pub fn says_within(&self, text: &str, patience: std::time::Duration) -> Option<String> {
+    pub fn says_within(&self, text: &str, patience: Duration) -> Option<String> {
         self.process.line_within(text, patience)
+    }
+
+    /// The same, while something is done over and over: publishers and subscribers take their time to find each other, and what was said before is
+    /// lost.
+    pub fn says_while(&self, text: &str, pause: Duration, mut act: impl FnMut()) -> String {
+        let begin = Instant::now();
+        loop {
+            act();
+            if let Some(line) = self.says_within(text, pause) {
+                return line;
+            }
+            assert!(begin.elapsed() < LIMIT, "never `{text}`");
+        }
     }
 
     pub fn signal(&self, name: &str) {
@@ -57,13 +72,16 @@ impl Lapwing {
 }
 
 impl Ended {
-    /// The report on the recording, under the name of the run.
-    pub fn checked(&self, live: &serde_json::Value) -> serde_json::Value {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_lapwing"));
-        command.args(["check", "robot.rv", "run.mcap", "--format", "json"]).current_dir(self.folder.path());
-        let output = command.output().unwrap();
-        let mut report = serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()[0].take();
-        report["trace"] = live["trace"].clone();
-        report
+    /// The report on the recording.
+    pub fn checked(&self) -> serde_json::Value {
+        checked(self.folder.path())
     }
+}
+
+/// The report on the recording of a run in that folder.
+pub fn checked(folder: &Path) -> serde_json::Value {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lapwing"));
+    command.args(["check", "robot.rv", "run.mcap", "--format", "json"]).current_dir(folder);
+    let output = command.output().unwrap();
+    serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()[0].take()
 }

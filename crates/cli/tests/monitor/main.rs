@@ -1,7 +1,8 @@
 //! `lapwing monitor` on real graphs: a robot by rospy under a real master, and one by rclpy over Fast DDS. Each test has a master's port or a domain of
 //! its own, and everything that it starts ends with it.
 //!
-//! Needs what `tools/peers.sh` and `tools/ros2.sh` install; without it the tests fail and say so.
+//! Needs what `tools/peers.sh`, `tools/ros2.sh` and `tools/browser.sh` install, and `cut` needs network namespaces, which only root can make. Without
+//! any of it the tests fail and say so; `-- --skip cut::` leaves out what needs root.
 #![cfg(all(feature = "ros1", feature = "ros2", unix))]
 
 mod cut;

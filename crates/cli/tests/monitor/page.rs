@@ -5,8 +5,9 @@ use std::io::Write;
 use std::net::{TcpListener, TcpStream};
 use std::path::Path;
 use std::process::Command;
+use std::time::{Duration, Instant};
 
-use crate::graph::{Graph, Process};
+use crate::graph::{Graph, LIMIT, Process};
 use crate::lapwing::Lapwing;
 
 const SPEC: &str = "\
@@ -39,12 +40,15 @@ fn a_person_sees_what_happens_when_it_happens() {
     // The robot does what the browser waits for, over and over, until it has seen it.
     let mut doing = vec!["say /speed 1".to_owned(), "tell /word hello".to_owned()];
     let (mut checks, mut ends) = (0, false);
+    let mut heard = Instant::now();
     while !ends {
-        let Some(line) = look.line_within("", std::time::Duration::from_millis(100)) else {
+        let Some(line) = look.line_within("", Duration::from_millis(100)) else {
             doing.iter().for_each(|line| robot.does(line));
             assert!(look.child.try_wait().unwrap().is_none(), "the browser's script failed: see above");
+            assert!(heard.elapsed() < LIMIT, "the browser's script says nothing any more after {checks} checks");
             continue;
         };
+        heard = Instant::now();
         match line.split_once(' ') {
             Some(("ok", _)) => checks += 1,
             Some(("do", what)) => doing = what.split(';').filter(|w| !w.is_empty()).map(str::to_owned).collect(),

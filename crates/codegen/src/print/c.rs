@@ -1,7 +1,7 @@
 //! C99: a header and a source file, on freestanding headers alone, and `math.h` where a formula has roots or trigonometry.
 
 use super::prelude::{Spelling, spelling};
-use super::{Syntax, Writer, helpers};
+use super::{Syntax, Writer, helpers, without_trigraphs};
 use crate::Interface;
 use crate::code::{Expr, Function, Helper, Ty, Unit};
 use crate::interface::{CAUSES, VERDICTS};
@@ -142,7 +142,9 @@ fn header(unit: &Unit, interface: &Interface) -> String {
     let upper = prefix.to_uppercase();
     w.line("/*");
     for line in interface.header("c") {
-        w.line(format!(" * {}", line.replace("*/", "* /")).trim_end());
+        // Neither an end of the comment nor, which compilers warn of, another beginning.
+        let line = without_trigraphs(&line).replace("*/", "* /").replace("/*", "/ *");
+        w.line(format!(" * {line}").trim_end());
     }
     w.line(" */");
     w.lines(&format!("#ifndef {upper}_H\n#define {upper}_H\n\n#include <stdbool.h>\n#include <stdint.h>\n"));

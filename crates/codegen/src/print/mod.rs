@@ -82,7 +82,7 @@ impl<'u, S: Syntax> Writer<'u, S> {
     pub fn comment(&mut self, mark: &str, text: &str) {
         let mut line = mark.to_owned();
         // A backslash, or what C takes for one, at the end of a line would make the next line a comment.
-        for word in text.split_whitespace().map(|word| word.replace('\\', "\\.").replace("??/", "?/")) {
+        for word in text.split_whitespace().map(|word| without_trigraphs(word).replace('\\', "\\.")) {
             if line.chars().count() + word.chars().count() >= WIDTH && line != mark {
                 self.line(&line);
                 line = mark.to_owned();
@@ -234,6 +234,11 @@ impl<'u, S: Syntax> Writer<'u, S> {
             || matches!(e, Expr::Not(of) if matches!(**of, Expr::Bin(Bin::Eq | Bin::Ne, ..)));
         if is_compound && !is_chain { format!("({text})") } else { text }
     }
+}
+
+/// A text without what C takes for a backslash.
+fn without_trigraphs(text: &str) -> String {
+    text.replace("??/", "? ?/")
 }
 
 /// Operators that group to the left, so that a chain of them needs no brackets.

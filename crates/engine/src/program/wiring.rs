@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 
 use crate::latest::over;
+use crate::skim::Row;
 
 use super::{At, Clock, Column, Group, Judged, Node, NodeId, Op, Positions, Program, Tracker};
 
@@ -117,7 +118,7 @@ impl Program {
         let [group] = &self.groups[..] else { return None };
         let waits = self.clock != Clock::Events || self.timeout.is_some() || !self.machines.is_empty();
         let minds = self.counts_values() || self.properties.iter().any(|property| !property.stale.is_empty());
-        if waits || minds || !group.rests || group.alphabet().is_none() || self.columns.len() > BITS {
+        if waits || minds || !group.rests || group.alphabet().is_none() || self.columns.len() > Row::COLUMNS as usize {
             return None;
         }
         let mut slots: Vec<usize> = self.columns.iter().map(|column| column.slot).collect();

@@ -126,17 +126,15 @@ impl Chart {
         number
     }
 
+    /// A node, and those around it, up to the whole.
+    pub(crate) fn around(&self, node: usize) -> impl Iterator<Item = usize> {
+        let parent = |n: &usize| self.nodes.get(*n).filter(|_| *n != 0).map(|node| node.parent);
+        // No way up is longer than there are nodes.
+        std::iter::successors(Some(node), parent).take(self.nodes.len())
+    }
+
     /// Whether one node is another, or inside of it.
-    pub(crate) fn is_in(&self, mut node: usize, outer: usize) -> bool {
-        for _ in 0..=self.nodes.len() {
-            if node == outer {
-                return true;
-            }
-            match self.nodes.get(node) {
-                Some(n) if node != 0 => node = n.parent,
-                _ => return false,
-            }
-        }
-        false
+    pub(crate) fn is_in(&self, node: usize, outer: usize) -> bool {
+        self.around(node).any(|n| n == outer)
     }
 }

@@ -79,10 +79,11 @@ fn place_in(
 ) -> String {
     if !sheet.events.contains(&declared) {
         let wanted = declared.name.clone();
+        let is_taken = sheet.taken.has(&wanted);
+        // `_2` says nothing; the name of the monitor does.
+        let wanted = if is_taken { format!("{}_{wanted}", snake(spec)) } else { wanted };
         declared.name = sheet.taken.take(&wanted);
-        if declared.name != wanted {
-            // `_2` says nothing; the name of the monitor does.
-            declared.name = sheet.taken.take(&format!("{}_{wanted}", snake(spec)));
+        if is_taken {
             let span = report.span(event.name.place.start, event.name.place.end);
             let message = format!("the event `{}` is called `{}` here", event.name.text, declared.name);
             report.push(Diagnostic::new(Code::ImportRenamed, span, message).label("another one has that name"));

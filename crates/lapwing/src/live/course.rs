@@ -8,12 +8,12 @@ use std::collections::BTreeMap;
 
 use bytes::Bytes;
 use lapwing_react::history::History;
-use lapwing_react::{Event, Report, Topic, Warning};
+use lapwing_react::{Event, Property, Report, Topic, Violation, Warning};
 use lapwing_record::RawChannel;
 use lapwing_stream::{Duration, Time};
 
 use super::blind::Ledger;
-use super::graph::Graph;
+use super::graph::{Graph, Stream};
 use super::order::Order;
 use super::post::Post;
 use super::rhythm::{Rhythm, Silence};
@@ -63,15 +63,15 @@ pub(crate) enum Seen {
     Status(Status),
 }
 
-/// Someone to be told of a violation at once.
-#[derive(Clone, Debug, PartialEq)]
+/// A violation that is to be answered at once.
+#[derive(Debug)]
 pub(crate) struct Alarm {
     /// The number of the specification.
     pub spec: usize,
     /// The property, with its instance.
-    pub property: String,
-    /// All that is known of it, as a line of JSON.
-    pub line: String,
+    pub property: Property,
+    /// What is known of the violation.
+    pub violation: Violation,
 }
 
 /// How things stand of a property.
@@ -100,8 +100,8 @@ pub(crate) struct Course<'s> {
     last: Option<Time>,
     /// How often something was warned of.
     told: BTreeMap<(Option<String>, &'static str), u32>,
-    /// The violations that nobody has taken note of yet.
-    pub alarms: Vec<Alarm>,
+    /// The violations that have not been answered yet, where somebody answers.
+    alarms: Option<Vec<Alarm>>,
     /// How many violations there were, in all and of each property.
     pub violations: u64,
     pub tally: Tally,
@@ -131,7 +131,7 @@ impl<'s> Course<'s> {
             heard: None,
             last: None,
             told: BTreeMap::new(),
-            alarms: Vec::new(),
+            alarms: None,
             violations: 0,
             tally: Tally::default(),
         }
@@ -140,6 +140,16 @@ impl<'s> Course<'s> {
     /// Somebody looks on, and wants to see what the signals do.
     pub fn draw(&mut self) {
         self.posts.iter_mut().for_each(|post| post.draws = true);
+    }
+
+    /// Somebody answers violations, and takes the alarms after every step: without that none are kept.
+    pub fn alarm(&mut self) {
+        self.alarms = Some(Vec::new());
+    }
+
+    /// The violations since this was asked last.
+    pub fn take_alarms(&mut self) -> Vec<Alarm> {
+        self.alarms.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
     /// Says what is watched.
@@ -198,11 +208,15 @@ impl<'s> Course<'s> {
     /// How things stand of a property of a specification, all of its instances together.
     pub fn stand(&self, spec: usize, property: &str) -> Stand {
         let Some(post) = self.posts.get(spec) else { return Stand::default() };
-        let sees = |topic: &String| {
-            let is_silent = self.rhythms.get(topic).is_some_and(Rhythm::is_too_long);
-            !is_silent && self.ledger.now(topic).next().is_none()
-        };
-        post.stand(property, sees)
+        post.stand(property, |topic| self.causes_now(topic).next().is_none())
+    }
+
+    /// Why nothing can be judged now that reads a topic, as far as that is so: what stands in the way of seeing it, and that it has been silent
+    /// for longer than a specification allows.
+    pub fn causes_now(&self, topic: &str) -> impl Iterator<Item = String> {
+        let silence = self.rhythms.get(topic).and_then(Rhythm::too_long);
+        let silence = silence.map(|limit| format!("nothing came for longer than {limit}, its `stale after`"));
+        self.ledger.now(topic).map(ToString::to_string).chain(silence)
     }
 
     /// The stamp of the first thing that was seen.
@@ -288,7 +302,7 @@ impl<'s> Course<'s> {
             self.refresh(at, watch);
         }
         self.graph.message(stream, at, payload);
-        let Course { posts, graph, .. } = self;
+        let Course { posts, graph, rhythms, .. } = self;
         let (mut is_read, mut fault) = (false, None);
         for shift in posts.iter_mut().flat_map(|post| &mut post.shifts) {
             match shift.message(graph, at, stream, payload) {
@@ -296,11 +310,13 @@ impl<'s> Course<'s> {
                 Err(why) => fault = Some(why),
             }
         }
-        let Some(topic) = graph.get(stream).filter(|s| is_read && !s.latched).map(|s| s.topic.clone()) else {
-            return self.undecodable(at, stream, fault, is_read, watch);
-        };
-        let silence = self.rhythms.entry(topic.clone()).or_default().heard(at);
-        if let Some(silent) = silence {
+        let Some(Stream { topic, latched, .. }) = graph.get(stream) else { return };
+        // What is handed to those who come late has no rhythm.
+        if is_read
+            && !latched
+            && let Some(silent) = heard(rhythms, topic, at)
+        {
+            let topic = topic.clone();
             let message = format!("{topic} is back after {} of silence", brief(silent));
             self.warn_of(at, Some(&topic), SILENCE, message, watch);
         }
@@ -309,14 +325,12 @@ impl<'s> Course<'s> {
 
     /// A message that cannot be decoded blinds, until one can.
     fn undecodable(&mut self, at: Time, stream: u32, fault: Option<String>, is_read: bool, watch: &mut dyn Watch) {
-        let Some(topic) = self.graph.get(stream).map(|s| s.topic.clone()) else { return };
-        match fault {
-            Some(why) if !self.ledger.is_open(&topic, Kind::Undecodable) => {
-                self.blind(at, Some(topic), Cause::new(Kind::Undecodable, why), watch);
-            }
-            None if is_read && self.ledger.is_open(&topic, Kind::Undecodable) => {
-                let causes: Vec<Cause> =
-                    self.ledger.now(&topic).filter(|c| c.kind == Kind::Undecodable).cloned().collect();
+        let Some(Stream { topic, .. }) = self.graph.get(stream) else { return };
+        match (fault, self.ledger.is_open(topic, Kind::Undecodable)) {
+            (Some(why), false) => self.blind(at, Some(topic.clone()), Cause::new(Kind::Undecodable, why), watch),
+            (None, true) if is_read => {
+                let (topic, now) = (topic.clone(), self.ledger.now(topic));
+                let causes: Vec<Cause> = now.filter(|c| c.kind == Kind::Undecodable).cloned().collect();
                 causes.into_iter().for_each(|cause| self.sees(at, Some(topic.clone()), &cause, watch));
             }
             _ => {}
@@ -468,13 +482,13 @@ impl<'s> Course<'s> {
             for run in post.shifts.iter_mut().map(|shift| &mut shift.run) {
                 warnings.extend(std::iter::from_fn(|| run.jump()));
                 while let Some(Untold { property, violation, .. }) = run.news() {
-                    let event = Event::Violation { property: &property, violation: &violation };
-                    watch.event(event);
-                    let line = lapwing_react::line(&self.report.trace, event);
+                    watch.event(Event::Violation { property: &property, violation: &violation });
                     let (count, latest) = self.tally.entry((spec, property.name.clone())).or_default();
                     (*count, *latest) = (*count + 1, violation.failed);
-                    self.alarms.push(Alarm { spec, property: property.name, line });
                     self.violations += 1;
+                    if let Some(alarms) = &mut self.alarms {
+                        alarms.push(Alarm { spec, property, violation });
+                    }
                 }
             }
         }
@@ -511,6 +525,15 @@ impl<'s> Course<'s> {
             (topic.messages, topic.unseen) = (messages.unwrap_or_default(), unseen.unwrap_or_default());
         }
         topics
+    }
+}
+
+/// A message of a topic came. Gives how long the silence before it was, where it had been told.
+fn heard(rhythms: &mut BTreeMap<String, Rhythm>, topic: &str, at: Time) -> Option<Duration> {
+    // An entry would take a copy of the name for each message.
+    match rhythms.get_mut(topic) {
+        Some(rhythm) => rhythm.heard(at),
+        None => rhythms.entry(topic.to_owned()).or_default().heard(at),
     }
 }
 

@@ -20,6 +20,8 @@ pub(crate) struct Guard {
     spec: usize,
     property: String,
     plan: checked::Guard,
+    /// The topic that it guards, absolute.
+    from: String,
     /// What stands in the place of a message that does not pass.
     instead: Option<Vec<u8>>,
     publisher: Option<PublisherId>,
@@ -56,6 +58,7 @@ pub(crate) fn guards(
                     spec: number,
                     property: reaction.property.clone(),
                     plan: plan.clone(),
+                    from: absolute(&plan.from),
                     instead: None,
                     publisher: None,
                     is_dry: reach.dry,
@@ -75,9 +78,9 @@ pub(crate) fn guards(
 }
 
 impl Guard {
-    /// Whether it decides on messages of that topic.
+    /// Whether it decides on messages of that topic, which is absolute.
     pub fn is_from(&self, topic: &str) -> bool {
-        absolute(&self.plan.from) == absolute(topic)
+        self.from == topic
     }
 
     /// The type of what is to be guarded is known: what passes has the same.

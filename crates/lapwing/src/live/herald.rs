@@ -6,7 +6,7 @@ use lapwing_ros::connector::{Connector, Encoding, PublisherId};
 use lapwing_stream::{Name, Time, Value};
 
 use super::reactions::{encoded, encoder};
-use super::view::{StateNow, View};
+use super::view::{PropertyView, View};
 use lapwing_record::Encoder;
 
 /// Where diagnostics go.
@@ -70,20 +70,8 @@ impl Herald {
 }
 
 /// A `diagnostic_msgs/DiagnosticStatus` of a property.
-fn status(property: &super::view::PropertyView, source: &str) -> Value {
-    // OK, WARN, ERROR, STALE of the message.
-    let level = match property.state {
-        StateNow::Good => 0.0,
-        StateNow::Waiting => 1.0,
-        StateNow::Violated => 2.0,
-        StateNow::Blind => 3.0,
-    };
-    let message = match (&property.cause, property.violations) {
-        (Some(cause), _) => cause.clone(),
-        (None, 0) => property.state.word().to_owned(),
-        (None, 1) => "violated once".to_owned(),
-        (None, n) => format!("violated {n} times"),
-    };
+fn status(property: &PropertyView, source: &str) -> Value {
+    let (level, message) = property.diagnosis();
     let pair = |key: &str, value: String| record([("key", key.into()), ("value", Value::Str(value))]);
     let mut values = vec![
         pair("property", property.text.clone()),
@@ -93,7 +81,7 @@ fn status(property: &super::view::PropertyView, source: &str) -> Value {
     values.extend(property.margin.map(|margin| pair("margin", margin.to_string())));
     values.extend(property.values.iter().map(|r| pair(&r.name, lapwing_react::shown::value(&r.value))));
     record([
-        ("level", Value::Num(level)),
+        ("level", Value::Num(f64::from(level))),
         ("name", Value::Str(format!("lapwing: {}", property.name))),
         ("message", Value::Str(message)),
         ("hardware_id", source.into()),

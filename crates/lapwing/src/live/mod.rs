@@ -30,6 +30,6 @@ mod view;
 
 pub use clock::ClockChoice;
 pub use figures::{Figures, Latency};
-pub use reactions::{Reach, Touch, touches};
+pub use reactions::{How, Reach, Touch, touches};
 pub use station::{Ended, LiveOptions, Onlooker, Outcome, Station};
 pub use view::{PropertyView, StateNow, TopicView, TrackView, View};

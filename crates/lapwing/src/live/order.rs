@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use lapwing_record::{Decoder, Options, Path, RawChannel, TimeSource};
-use lapwing_stream::{Duration, Time, Value};
+use lapwing_record::{HeaderStamp, Options, TimeSource};
+use lapwing_stream::{Duration, Time};
 
 use super::course::{Seen, Sight};
 use crate::status::Status;
@@ -12,7 +12,8 @@ use crate::status::Status;
 pub(crate) struct Order {
     window: Duration,
     most: usize,
-    stamps: BTreeMap<u32, Option<Decoder>>,
+    /// Of each stream, where its messages have a header.
+    stamps: BTreeMap<u32, Option<HeaderStamp>>,
     /// By stamp, then by arrival.
     held: BTreeMap<(Time, u64), Sight>,
     arrived: u64,
@@ -43,11 +44,11 @@ impl Order {
     pub fn push(&mut self, mut sight: Sight) {
         match &sight.what {
             Seen::Offered { stream, channel, .. } => {
-                self.stamps.insert(*stream, decoder(channel));
+                self.stamps.insert(*stream, channel.ty.as_ref().ok().and_then(HeaderStamp::new));
             }
             Seen::Message { stream, payload } => {
-                let decoder = self.stamps.get_mut(stream).and_then(Option::as_mut);
-                sight.at = decoder.and_then(|d| header_time(d, payload)).unwrap_or(sight.at);
+                let stamp = self.stamps.get_mut(stream).and_then(Option::as_mut);
+                sight.at = stamp.and_then(|stamp| stamp.read(payload)).unwrap_or(sight.at);
             }
             Seen::Status(Status::Ended(_)) => {
                 self.end = Some(sight);
@@ -96,18 +97,4 @@ impl Order {
         let end = self.end.take()?;
         Some(Sight { at: end.at.max(self.newest.unwrap_or(end.at)), ..end })
     }
-}
-
-fn decoder(channel: &RawChannel) -> Option<Decoder> {
-    let path = |name| Path::of_names(["header", "stamp", name]);
-    Decoder::new(channel.ty.as_ref().ok()?, &[path("sec"), path("nanosec")], usize::MAX).ok()
-}
-
-/// The stamp of a header; `None` where it has none, or a zero one.
-fn header_time(decoder: &mut Decoder, message: &[u8]) -> Option<Time> {
-    let mut stamp = [Value::Missing, Value::Missing];
-    decoder.decode(message, &mut stamp).ok()?;
-    let [Value::Num(seconds), Value::Num(nanoseconds)] = stamp else { return None };
-    let nanos = (seconds as i64).checked_mul(1_000_000_000)?.checked_add(nanoseconds as i64)?;
-    (nanos != 0).then_some(Time(nanos))
 }

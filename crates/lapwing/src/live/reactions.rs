@@ -4,11 +4,13 @@
 //! an error before anything is watched.
 
 use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
 use std::time::Duration;
 
 use lapwing_check::checked::{self, Action};
 use lapwing_react::shown;
-use lapwing_record::{Decoder, Dialect, Encoder, Library, MessageType, Path, RawChannel, normal_name};
+use lapwing_record::{Decoder, Dialect, Encoder, Layout, Library, MessageType, Path, RawChannel, normal_name};
 use lapwing_ros::connector::{CallId, Connector, Definition, Encoding, PublisherId};
 use lapwing_stream::{Name, Time, Value};
 
@@ -35,12 +37,42 @@ pub struct Reach {
 pub struct Touch {
     /// Its name.
     pub name: String,
-    /// How: `publishes`, `calls`, `guards`.
-    pub how: &'static str,
+    /// How.
+    pub how: How,
     /// The type that is written to it, as far as it is known.
     pub type_name: String,
     /// The property that decides.
     pub property: String,
+}
+
+/// A way to touch a topic or a service.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum How {
+    /// It calls a service.
+    Call,
+    /// It decides which messages pass to a topic.
+    Guard,
+    /// It publishes a topic.
+    Publish,
+}
+
+impl How {
+    /// What may be done: `may publish`.
+    pub fn verb(self) -> &'static str {
+        match self {
+            How::Call => "call",
+            How::Guard => "guard",
+            How::Publish => "publish",
+        }
+    }
+}
+
+/// What a specification does: `it publishes`.
+impl fmt::Display for How {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ending = if *self == How::Publish { "es" } else { "s" };
+        write!(f, "{}{ending}", self.verb())
+    }
 }
 
 /// Everything that specifications may touch, in the order of the names.
@@ -54,9 +86,9 @@ pub fn touches(specs: &[Spec]) -> Vec<Touch> {
             property: reaction.property.clone(),
         };
         touches.extend(reaction.actions.iter().filter_map(|action| match action {
-            Action::Publish(message) => Some(touch(&message.to, "publishes", &message.type_name)),
-            Action::Call(message) => Some(touch(&message.to, "calls", &message.type_name)),
-            Action::Guard(guard) => Some(touch(&guard.to, "guards", "")),
+            Action::Publish(message) => Some(touch(&message.to, How::Publish, &message.type_name)),
+            Action::Call(message) => Some(touch(&message.to, How::Call, &message.type_name)),
+            Action::Guard(guard) => Some(touch(&guard.to, How::Guard, "")),
             Action::Request(_) | Action::Run(_) | Action::Reset | Action::Stop => None,
         }));
     }
@@ -207,7 +239,7 @@ impl Reactions {
         let mut done = Done::default();
         let Reactions { list, calls, is_dry, .. } = self;
         for alarm in alarms {
-            let base = alarm.property.split('[').next().unwrap_or_default();
+            let base = alarm.property.name.split('[').next().unwrap_or_default();
             for reaction in list.iter_mut().filter(|r| r.spec == alarm.spec && r.property == base) {
                 let is_soon = reaction.last.zip(reaction.pause).is_some_and(|(last, pause)| now.since(last) < pause);
                 if is_soon {
@@ -216,7 +248,7 @@ impl Reactions {
                 reaction.last = Some(now);
                 for (words, ready) in &reaction.actions {
                     let verb = if *is_dry { "would " } else { "" };
-                    done.notes.push(format!("{verb}{words}, because {} is violated", alarm.property));
+                    done.notes.push(format!("{verb}{words}, because {} is violated", alarm.property.name));
                     match carry_out(ready, connector) {
                         Ok(call) => {
                             done.sent += usize::from(matches!(ready, Ready::Publish(..) | Ready::Call { .. }));
@@ -326,16 +358,12 @@ pub(crate) fn encoder(name: &str, text: &str, encoding: Encoding) -> Result<Enco
 }
 
 fn layout(name: &str, text: &str, encoding: Encoding) -> Result<(MessageType, Encoder), String> {
-    let (dialect, how) = match encoding {
-        Encoding::Ros1 => (Dialect::Ros1, lapwing_record::Encoding::Ros1),
-        Encoding::Cdr => (Dialect::Ros2, lapwing_record::Encoding::Cdr),
+    let (dialect, ty): (Dialect, fn(Arc<Layout>) -> MessageType) = match encoding {
+        Encoding::Ros1 => (Dialect::Ros1, MessageType::Ros1),
+        Encoding::Cdr => (Dialect::Ros2, MessageType::Cdr),
     };
     let layout = Library::default().layout(dialect, &normal_name(name), text).map_err(|e| e.to_string())?;
-    let ty = match encoding {
-        Encoding::Ros1 => MessageType::Ros1(layout.clone()),
-        Encoding::Cdr => MessageType::Cdr(layout.clone()),
-    };
-    Ok((ty, Encoder::new(layout, how)))
+    Ok((ty(layout.clone()), Encoder::new(layout, encoding)))
 }
 
 /// All fields of an answer.

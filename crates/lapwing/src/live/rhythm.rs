@@ -59,9 +59,9 @@ impl Rhythm {
         silence
     }
 
-    /// Whether it is silent for longer than a specification allows.
-    pub fn is_too_long(&self) -> bool {
-        self.told && self.limit.is_some()
+    /// How long a specification allows it to be silent, where it is silent for longer now.
+    pub fn too_long(&self) -> Option<Duration> {
+        self.limit.filter(|_| self.told)
     }
 
     /// The time at which a silence is to be told that lasts until then.

@@ -116,6 +116,8 @@ pub struct Station {
     options: LiveOptions,
     clock: Clock,
     known: BTreeMap<u32, Met>,
+    /// Whether something was met that specifications may read which run over topics, and have not been asked about.
+    is_unasked: bool,
     /// What cannot be seen now.
     unseen: BTreeSet<(String, Cause)>,
     subscribed: BTreeSet<String>,
@@ -141,6 +143,7 @@ impl Station {
             options,
             clock: Clock::new(choice),
             known: BTreeMap::new(),
+            is_unasked: false,
             unseen: BTreeSet::new(),
             subscribed: BTreeSet::new(),
             publishers: BTreeMap::new(),
@@ -172,6 +175,7 @@ impl Station {
     pub fn run(&mut self, specs: &[Spec], watch: &mut dyn Onlooker) -> Result<Outcome, String> {
         let began = self.connector.now();
         let mut course = Course::new(specs, &self.connector.name(), &self.options.checking);
+        course.alarm();
         if watch.draws() {
             course.draw();
         }
@@ -206,13 +210,16 @@ impl Station {
         if self.clock.is_simulated() {
             self.subscribe(vec![CLOCK.to_owned()]);
         }
+        self.is_unasked = !self.known.is_empty() && specs.iter().any(Spec::runs_over_topics);
         self.begin(&mut duty);
         let ended = loop {
             if let Some(ended) = self.is_over(&mut duty) {
                 break ended;
             }
             let patience = self.patience(&mut duty);
-            match self.connector.next(patience) {
+            let arrival = self.connector.next(patience);
+            self.ask_for_more(specs, arrival.as_ref());
+            match arrival {
                 Some(arrival) => self.arrived(specs, arrival, &mut duty),
                 None => self.idle(&mut duty),
             }
@@ -249,6 +256,9 @@ impl Station {
 
     /// How long to wait for the next arrival.
     fn patience(&mut self, duty: &mut Duty<'_, '_>) -> Duration {
+        if self.is_unasked {
+            return Duration::ZERO;
+        }
         let deadline = if self.clock.is_wall() { duty.course.next_deadline() } else { None };
         // Just beyond the deadline: at it, more may come with its stamp.
         let left = deadline.map(|at| Duration::from_nanos(at.since(self.connector.now()).nanos().unsigned_abs() + 1));

@@ -61,6 +61,25 @@ pub struct PropertyView {
     pub plots: Vec<Plot>,
 }
 
+impl PropertyView {
+    /// How it stands in a `diagnostic_msgs/DiagnosticStatus`: its level (0 is OK, 1 WARN, 2 ERROR, 3 STALE) and its message.
+    pub fn diagnosis(&self) -> (u8, String) {
+        let level = match self.state {
+            StateNow::Good => 0,
+            StateNow::Waiting => 1,
+            StateNow::Violated => 2,
+            StateNow::Blind => 3,
+        };
+        let message = match (&self.cause, self.violations) {
+            (Some(cause), _) => cause.clone(),
+            (None, 0) => self.state.word().to_owned(),
+            (None, 1) => "violated once".to_owned(),
+            (None, n) => format!("violated {n} times"),
+        };
+        (level, message)
+    }
+}
+
 /// What a signal did since the view before.
 #[derive(Clone, Debug)]
 pub struct TrackView {
@@ -115,6 +134,9 @@ pub struct TopicView {
 /// The violations of a property so far: how many episodes, and when the latest was found.
 pub(crate) type Tally = BTreeMap<(usize, String), (u64, Time)>;
 
+/// Why a property that is spoilt cannot be judged any more.
+const SPOILT: &str = "a value was of another kind than its formula needs";
+
 impl Course<'_> {
     /// How things stand, but for rates and figures.
     pub fn view(&self) -> View {
@@ -129,16 +151,18 @@ impl Course<'_> {
                 true => post.shifts.iter().flat_map(|shift| shift.run.margins()).collect(),
                 false => BTreeMap::new(),
             };
-            let sees =
-                |topic: &str| self.ledger.now(topic).map(|cause| format!("{topic}: {cause}")).collect::<Vec<_>>();
             for (blank, topics) in post.known() {
-                let causes: Vec<String> = topics.iter().flat_map(|topic| sees(topic)).collect();
                 let (violations, latest) = match self.tally.get(&(spec, blank.name.clone())) {
                     Some((count, at)) => (*count, Some(*at)),
                     None => self.of_instances(spec, &blank.name),
                 };
                 let shift = post.shifts.iter().find(|shift| shift.owned.contains(&blank.name));
                 let standing = shift.map(|shift| shift.run.standing(&blank.name)).unwrap_or_default();
+                let of_topic = |topic: &String| -> Vec<String> {
+                    self.causes_now(topic).map(|cause| format!("{topic}: {cause}")).collect()
+                };
+                let mut causes: Vec<String> = topics.iter().flat_map(of_topic).collect();
+                causes.extend(standing.spoilt.then(|| SPOILT.to_owned()));
                 let state = match () {
                     () if violations > 0 => StateNow::Violated,
                     () if !causes.is_empty() => StateNow::Blind,
@@ -205,7 +229,7 @@ impl Course<'_> {
         let topic = |topic: lapwing_react::Topic| TopicView {
             messages: self.graph.messages(&topic.name),
             publishers: self.graph.publishers(&topic.name),
-            causes: self.ledger.now(&topic.name).map(ToString::to_string).collect(),
+            causes: self.causes_now(&topic.name).collect(),
             rate: 0.0,
             type_name: topic.type_name,
             name: topic.name,

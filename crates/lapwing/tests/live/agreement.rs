@@ -7,7 +7,7 @@ use lapwing::{Options, Spec};
 use lapwing_ros::connector::Cause;
 use lapwing_stream::Verdict;
 
-use crate::script::{Over, Script, at, check, watch_as};
+use crate::script::{Over, Script, asked_by_both, at, check, watch_as};
 
 fn watch(spec: &str, script: Script) -> Over {
     watch_as(spec, script, LiveOptions { clock: ClockChoice::Wall, ..LiveOptions::default() })
@@ -25,6 +25,14 @@ fn robots_may_come_later_and_each_is_judged() {
     assert_eq!(over.verdict("slow[b]").0, Verdict::Violated);
     assert!(over.asked.subscribed.contains(&"/b/speed".to_owned()), "{:?}", over.asked.subscribed);
     over.agrees();
+}
+
+#[test]
+fn robots_that_were_met_in_an_earlier_run_are_subscribed_to_by_the_next() {
+    let calm = "decl speed /speed Float64.data\ncalm: never speed > 2\n";
+    let slow = "slow: for each r in topics /{r}/speed: never age(/{r}/speed) > 0.4\n";
+    let asked = asked_by_both(calm, slow, Script::of(4.0).mentions(0.1, 1, "/a/speed").mentions(0.1, 2, "/b/speed"));
+    assert_eq!(asked.subscribed, ["/speed", "/a/speed", "/b/speed"]);
 }
 
 #[test]

@@ -305,6 +305,21 @@ pub fn try_watch(spec: &str, script: Script, options: LiveOptions) -> Result<Ove
     Ok(Over { outcome, told: onlooker.told, asked, figures, recording, specs, checking, _folder: folder })
 }
 
+/// What is asked of a graph by two specifications, one after the other at the same station: each watches one half of the script.
+pub fn asked_by_both(first: &str, second: &str, script: Script) -> Asked {
+    let now = Arc::new(AtomicI64::new(START));
+    let asked = Arc::new(Mutex::new(Asked::default()));
+    let halves = [(first, script.until / 2.0), (second, script.until)];
+    let player = Player { arrivals: script.arrivals.into(), now: now.clone(), asked: asked.clone() };
+    let mut station = Station::new(Box::new(player), LiveOptions::default());
+    for (spec, until) in halves {
+        let specs = [Spec::parse("live.rv", spec, &|_| None).unwrap_or_else(|e| panic!("{e}"))];
+        let mut onlooker = Onlooking { now: now.clone(), until: at(until).0, told: Told::default() };
+        station.run(&specs, &mut onlooker).unwrap();
+    }
+    std::mem::take(&mut *asked.lock().unwrap())
+}
+
 impl Over {
     /// The verdict on a property with its cause.
     pub fn verdict(&self, name: &str) -> (Verdict, String) {

@@ -50,3 +50,23 @@ fn views_say_how_properties_stand_and_time_goes_on_in_silence() {
     // It stays violated, and the number of failures says when it was.
     assert!(state(2.3, 6.0).iter().all(|s| *s == (StateNow::Violated, 1)) && state(4.0, 6.0).len() >= 4);
 }
+
+#[test]
+fn a_silence_that_is_too_long_is_shown_as_blind_for_as_long_as_it_lasts() {
+    let spec = CALM.replace("Float64.data", "Float64.data stale after 1 s");
+    let script = Script::of(6.0).offers(0.1, 1, "/speed").says(1.0, 1, 1.0).says(4.0, 1, 1.0);
+    let over = watched(&spec, script);
+    let shown = |from: f64, to: f64| {
+        let views: Vec<&View> =
+            over.told.views.iter().filter(|view| at(from) <= view.now && view.now <= at(to)).collect();
+        assert!(!views.is_empty());
+        views
+            .into_iter()
+            .map(|view| (view.properties[0].state, view.properties[0].cause.clone(), view.topics[0].causes.clone()))
+    };
+    let well = (StateNow::Good, None, Vec::new());
+    assert!(shown(1.3, 1.9).chain(shown(4.3, 4.9)).all(|s| s == well));
+    let cause = "nothing came for longer than 1 s, its `stale after`".to_owned();
+    let blind = (StateNow::Blind, Some(format!("/speed: {cause}")), vec![cause]);
+    assert!(shown(2.3, 3.9).chain(shown(5.3, 5.9)).all(|s| s == blind));
+}

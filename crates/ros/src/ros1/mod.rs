@@ -16,7 +16,7 @@
 //! - `link`: one publisher, heard out; `offer` what it offers, `header` and `frame` how it says it, `checksum` and `definitions` what it means,
 //!   `sequence` what it left out.
 //! - `publication`, `service`: what goes out.
-//! - `keeper`, `master`, `slave`: the calls between nodes and master; `xml`, `http`, `net`, `server` and `brake` below them.
+//! - `keeper`, `master`, `slave`: the calls between nodes and master; `xml`, `http`, `net` and `brake` below them.
 //!
 //! Whatever comes from others has limits: headers, bodies, messages, publishers of a topic, nesting, time.
 
@@ -35,7 +35,6 @@ mod net;
 mod offer;
 mod publication;
 mod sequence;
-mod server;
 mod service;
 mod settings;
 mod slave;
@@ -52,10 +51,10 @@ use lapwing_record::{RawChannel, normal_name};
 use lapwing_stream::Time;
 
 use crate::connector::{Arrival, CallId, Connector, Definition, Encoding, Happening, PublisherId, Refused};
+use crate::server::Server;
 use graph::{Graph, Place};
 use master::Master;
 use publication::Publication;
-use server::Server;
 use service::{Call, plain};
 use settings::Settings;
 use topic::Topic;

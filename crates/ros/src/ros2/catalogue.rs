@@ -113,6 +113,8 @@ pub struct Catalogue {
     streams: Vec<Stream>,
     publishers: BTreeMap<Gid, Known>,
     wishes: BTreeMap<String, Wish>,
+    /// Topics for which a reader is missing, with why it could not be made.
+    unreadable: BTreeMap<String, BTreeSet<String>>,
 }
 
 impl Catalogue {
@@ -260,6 +262,11 @@ impl Catalogue {
         readable.collect()
     }
 
+    /// The topics for which a reader is missing, with why: these, and no others.
+    pub fn unreadable(&mut self, topics: BTreeMap<String, BTreeSet<String>>) {
+        self.unreadable = topics;
+    }
+
     /// A message came.
     ///
     /// A topic has one cache for all of its readers, so that each sees what came for any; a publisher is heard by the one that suits it best.
@@ -286,7 +293,8 @@ impl Catalogue {
     pub fn tell(&mut self, now: Instant) -> Vec<Happening> {
         let mut told = Vec::new();
         for (topic, wish) in &mut self.wishes {
-            let causes = causes(&self.streams, &self.publishers, topic, wish, now);
+            let mut causes = causes(&self.streams, &self.publishers, topic, wish, now);
+            causes.extend(self.unreadable.get(topic).into_iter().flatten().cloned().map(Cause::Disconnected));
             let over = wish.told.difference(&causes).cloned();
             told.extend(over.map(|cause| Happening::Sees { topic: topic.clone(), cause }));
             let new = causes.difference(&wish.told).cloned();
@@ -471,6 +479,22 @@ mod tests {
         catalogue.compare(now, vec![publisher(1)]);
         let told = catalogue.tell(now);
         assert!(matches!(&told[..], [Happening::Sees { cause: Cause::Incompatible(_), .. }]), "{told:?}");
+    }
+
+    #[test]
+    fn a_reader_that_could_not_be_made_blinds_until_it_is_there() {
+        let now = Instant::now();
+        let mut catalogue = seeing(now);
+        let without = || BTreeMap::from([(ODOM.to_owned(), BTreeSet::from(["no socket".to_owned()]))]);
+        catalogue.unreadable(without());
+        let told = catalogue.tell(now);
+        let [Happening::Blind { cause: Cause::Disconnected(why), .. }] = &told[..] else { panic!("{told:?}") };
+        assert_eq!(why, "no socket");
+        catalogue.unreadable(without());
+        assert!(catalogue.tell(now + soon(0.5)).is_empty(), "once is enough");
+        catalogue.unreadable(BTreeMap::new());
+        let told = catalogue.tell(now + soon(1.0));
+        assert!(matches!(&told[..], [Happening::Sees { cause: Cause::Disconnected(_), .. }]), "{told:?}");
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! DDS tells of changes by events that it drops when there are too many. So an event is only a reason to look: what counts
 //! is the list of all publishers, which is compared with what was known, twice a second in any case.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError};
 use std::time::{Duration, Instant};
 
@@ -100,7 +100,10 @@ pub struct Worker {
     next_token: usize,
     looked: Instant,
     swept: Instant,
+    told: Instant,
     is_changed: bool,
+    /// Whether something was learnt that may blind a topic, or let it be seen.
+    is_news: bool,
 }
 
 impl Worker {
@@ -134,7 +137,9 @@ impl Worker {
             next_token: FIRST,
             looked: Instant::now(),
             swept: Instant::now(),
+            told: Instant::now(),
             is_changed: true,
+            is_news: false,
         };
         Ok((worker, waker))
     }
@@ -161,6 +166,14 @@ impl Worker {
                 self.look(now);
             }
             self.tend_calls(now);
+            self.tell(now);
+        }
+    }
+
+    /// Tells what can be seen and what cannot: at once where something was learnt, and now and then, for patience ends by time alone.
+    fn tell(&mut self, now: Instant) {
+        if self.is_news || now >= self.told + BUSY {
+            (self.told, self.is_news) = (now, false);
             self.catalogue.tell(now).into_iter().for_each(|what| self.inbox.push(what));
         }
     }
@@ -181,7 +194,7 @@ impl Worker {
             match self.commands.try_recv() {
                 Ok(Command::Subscribe(topics)) => {
                     self.catalogue.want(&topics, Instant::now());
-                    self.is_changed = true;
+                    (self.is_changed, self.is_news) = (true, true);
                 }
                 Ok(Command::Call { id, service, type_name, request, deadline }) => {
                     if let Err(Refused(why)) = self.call(Purpose::Call(id), (&service, &type_name), request, deadline) {
@@ -260,7 +273,7 @@ impl Worker {
 
     /// Compares the graph with what was known of it, and does what follows from that.
     fn look(&mut self, now: Instant) {
-        (self.looked, self.is_changed) = (now, false);
+        (self.looked, self.is_changed, self.is_news) = (now, false, true);
         let writers = self.wire.writers();
         let readers = self.wire.readers();
         let found = writers.iter().filter_map(|w| self.publisher(w)).collect();
@@ -316,6 +329,7 @@ impl Worker {
         now: Instant,
     ) {
         self.catalogue.searched(stream, result, now).into_iter().for_each(|what| self.inbox.push(what));
+        self.is_news = true;
         self.open_feeds();
     }
 
@@ -368,17 +382,19 @@ impl Worker {
         }
     }
 
-    /// Opens the readers that are missing.
+    /// Opens the readers that are missing. One that cannot be opened is in the way of its topic until it can.
     fn open_feeds(&mut self) {
+        let mut unreadable: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
         for (topic, type_name, reading) in self.catalogue.readers() {
             let is_this = |f: &Feed| f.topic == topic && f.type_name == type_name && f.reading == reading;
             if self.feeds.values().any(is_this) {
                 continue;
             }
             if let Err(Refused(why)) = self.open_feed(&topic, &type_name, reading) {
-                self.inbox.push(Happening::Blind { topic, cause: Cause::Disconnected(why) });
+                unreadable.entry(topic).or_default().insert(why);
             }
         }
+        self.catalogue.unreadable(unreadable);
     }
 
     fn open_feed(&mut self, topic: &str, type_name: &str, reading: Reading) -> Result<(), Refused> {

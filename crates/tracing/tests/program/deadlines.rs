@@ -1,9 +1,9 @@
 //! What had to happen by now and has not: nothing has to arrive for that to be noticed.
 
-use std::sync::mpsc;
+use std::sync::{Arc, OnceLock, mpsc};
 use std::time::Duration;
 
-use lapwing_tracing::{ManualClock, Monitor, Time};
+use lapwing_tracing::{Clock, ManualClock, Monitor, Time};
 
 use crate::support::{said, same_as_checked, spec, verdict};
 
@@ -67,4 +67,35 @@ fn a_clock_that_goes_back_starts_everything_anew() {
     let report = monitor.finish();
     assert_eq!(said(&report, "answers").obligations.met, 2);
     assert!(report.warnings.iter().any(|w| w.message.contains("time jumped back from 5 s to 1 s")));
+}
+
+#[test]
+fn a_clock_that_talks_to_its_monitor_is_turned_away() {
+    /// Does all that a clock must not.
+    #[derive(Clone, Default)]
+    struct Loud(Arc<OnceLock<Monitor>>);
+
+    impl Clock for Loud {
+        fn now(&self) -> Time {
+            if let Some(monitor) = self.0.get() {
+                monitor.event("asked");
+                monitor.event("nobody knows this");
+                monitor.set("nor this", 1.0);
+                let report = monitor.finish();
+                assert_eq!((monitor.stopped_by(), report.properties.len(), report.gaps.len()), (None, 0, 1));
+            }
+            Time(0)
+        }
+    }
+
+    let text = "event asked\nproperty calm: always not asked\non violation of calm at most every 1 s { reset }\n";
+    let clock = Loud::default();
+    let monitor = Monitor::builder(spec(text)).clock(clock.clone()).build().expect("a monitor");
+    assert!(clock.0.set(monitor.clone()).is_ok());
+    monitor.event("asked");
+    let report = monitor.finish();
+    let calm = said(&report, "calm");
+    assert_eq!((calm.obligations.failed, calm.reactions.as_slice()), (1, &["reset".to_owned()][..]));
+    let [warning] = report.warnings.as_slice() else { panic!("{:?}", report.warnings) };
+    assert!(warning.message.starts_with("what the clock or the writer"), "{warning:?}");
 }

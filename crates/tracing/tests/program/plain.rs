@@ -60,6 +60,36 @@ fn a_handler_of_a_told_event_runs_before_the_telling_returns() {
 }
 
 #[test]
+fn of_many_warnings_the_first_are_kept_and_all_of_the_report_itself() {
+    struct Full;
+    impl std::io::Write for Full {
+        fn write(&mut self, _: &[u8]) -> std::io::Result<usize> {
+            Err(std::io::Error::other("the disk is full"))
+        }
+
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+    let text = "event kick\nproperty calm: always not kick\non violation of calm { run aim  reset }\n";
+    // A resumed panic prints nothing.
+    let handlers = Handlers::new().on("aim", |_, count: &std::sync::atomic::AtomicU32| {
+        let number = count.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        std::panic::resume_unwind(Box::new(format!("no cable {number}")));
+    });
+    let builder = Monitor::builder(spec(text)).handlers(std::sync::atomic::AtomicU32::new(0), handlers);
+    let monitor = builder.clock(Counting::default()).record(Full).build().expect("a monitor");
+    (0..100).for_each(|_| monitor.event("kick"));
+    monitor.event("kik");
+    let messages: Vec<String> = monitor.finish().warnings.into_iter().map(|w| w.message).collect();
+    assert_eq!(messages.iter().filter(|m| m.contains("panicked: no cable")).count(), 64);
+    let [.., more, recorded, unknown] = messages.as_slice() else { panic!("{messages:?}") };
+    assert_eq!(more, "there were more than 64 such warnings; the others are not listed");
+    assert_eq!(recorded, "not everything that arrived was recorded: the disk is full");
+    assert!(unknown.ends_with("does not read: `kik`"), "{unknown}");
+}
+
+#[test]
 fn what_a_program_cannot_have_is_inconclusive() {
     let text = "event scan = message /scan\nevent asked = request /set_mode\nevent kick\n\
                 property a over (scan, kick): always not scan\nproperty b over (asked, kick): always not asked\n";

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use lapwing_tracing::{ManualClock, Monitor, Report, Time};
 
 use crate::robot::{kicker, sensor_controller};
-use crate::support::{alone, checked, counting, properties, spec, verdict};
+use crate::support::{alone, checked, counting, properties, said, spec, verdict};
 
 /// A file in memory.
 #[derive(Clone, Default)]
@@ -95,6 +95,20 @@ alone! {
         let report = monitor.finish();
         assert_eq!(verdict(&report, "init"), "holds");
         assert!(report.warnings.iter().any(|w| w.message.starts_with("what the clock or the writer")));
+    }
+
+    fn a_field_of_a_field_has_one_name_at_call_sites_told_and_recorded() {
+        let text = "event kick\nproperty near: always not (kick and kick.pose.x > 2)\n";
+        let memory = Memory::default();
+        let monitor = counting(text).record(memory.clone()).install().expect("a monitor");
+        tracing::event!(name: "kick", tracing::Level::INFO, pose.x = 3.0, pose.y = 0.0);
+        monitor.event_with("kick", &[("pose.x", 1.0.into())]);
+        monitor.event_with("kick", &[("pose.x", 4.0.into())]);
+        let report = monitor.finish();
+        assert_eq!(said(&report, "near").obligations.failed, 2);
+        let lines = memory.text();
+        assert!(lines.starts_with("{\"t_ns\":0,\"event\":\"kick\",\"pose.x\":3.0}"), "{lines}");
+        assert_eq!(properties(&report), properties(&checked(text, &lines)));
     }
 
     fn time_that_passes_is_recorded_too() {

@@ -105,9 +105,9 @@ impl Request {
                 policy: lapwing_page::live_policy(),
                 ..Answer::new("200 OK", "text/html; charset=utf-8", lapwing_page::live())
             },
-            "/state.json" => Answer::new("200 OK", "application/json", state::json(&board.lock(), known(query))),
+            "/state.json" => Answer::new("200 OK", "application/json", state::json(&board.posted(), known(query))),
             "/metrics" => {
-                Answer::new("200 OK", "text/plain; version=0.0.4; charset=utf-8", metrics::text(&board.lock().view))
+                Answer::new("200 OK", "text/plain; version=0.0.4; charset=utf-8", metrics::text(&board.posted().view))
             }
             _ => text("404 Not Found", "there is /, /state.json and /metrics\n"),
         }

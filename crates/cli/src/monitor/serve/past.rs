@@ -23,7 +23,7 @@ const MOST_CHANGES: usize = 500;
 pub type Id = (usize, usize, usize);
 
 /// What was shown lately.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Past {
     /// Counts the beginnings: what was shown before the latest belongs to another run, or to a time that was before time went back.
     pub run: u64,
@@ -40,7 +40,7 @@ pub struct Past {
 }
 
 /// How a property stood.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Lane {
     /// Since when it stands how, with the revision that says so.
     pub changes: VecDeque<(u64, Time, &'static str)>,
@@ -49,7 +49,7 @@ pub struct Lane {
 }
 
 /// What a signal did.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Line {
     /// Its name and unit.
     pub name: String,

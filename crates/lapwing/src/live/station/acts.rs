@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use bytes::Bytes;
+use lapwing_react::Event;
 use lapwing_record::TimeSource;
 use lapwing_stream::Time;
 
@@ -27,7 +28,7 @@ impl Station {
 
     /// Carries out what the latest violations ask for.
     pub(super) fn react(&mut self, arrived: Option<Time>, duty: &mut Duty<'_, '_>) {
-        let alarms = std::mem::take(&mut duty.course.alarms);
+        let alarms = duty.course.take_alarms();
         if alarms.is_empty() {
             return;
         }
@@ -49,8 +50,9 @@ impl Station {
     /// Says on the graph what is violated.
     fn proclaim(&mut self, alarms: &[Alarm], duty: &mut Duty<'_, '_>) {
         let Some(herald) = &mut self.herald else { return };
-        for alarm in alarms {
-            if let Err(why) = herald.say(&alarm.line, &mut *self.connector) {
+        for Alarm { property, violation, .. } in alarms {
+            let line = lapwing_react::line(duty.course.source(), Event::Violation { property, violation });
+            if let Err(why) = herald.say(&line, &mut *self.connector) {
                 return duty.watch.note(&format!("a violation could not be said on the graph: {why}"));
             }
         }

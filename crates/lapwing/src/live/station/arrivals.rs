@@ -94,7 +94,15 @@ impl Station {
         } else if topic == CLOCK && was_wall && self.options.clock == ClockChoice::Auto {
             duty.watch.note("somebody publishes /clock now, but this run goes by the wall clock: begin it anew, or with simulated time");
         }
-        if specs.iter().any(Spec::runs_over_topics) {
+        self.is_unasked |= specs.iter().any(Spec::runs_over_topics);
+    }
+
+    /// Subscribes to what was met and is wanted by specifications that run over topics. One look at a graph makes many offers: they are considered
+    /// together, once nothing more is at hand, or messages come again.
+    pub(super) fn ask_for_more(&mut self, specs: &[Spec], next: Option<&Arrival>) {
+        let is_over = next.is_none_or(|arrival| matches!(arrival.what, Happening::Message { .. }));
+        if self.is_unasked && is_over {
+            self.is_unasked = false;
             let wanted = self.wanted_of_all(specs);
             self.subscribe(wanted);
         }

@@ -7,6 +7,7 @@ use lapwing_stream::{Duration, Time};
 
 use super::Onlooker;
 use crate::live::course::{Course, Seen, Sight};
+use crate::live::graph::absolute;
 use crate::live::guard::Guard;
 use crate::live::reactions::Reactions;
 use crate::live::tape::Tape;
@@ -43,7 +44,8 @@ impl Duty<'_, '_> {
     /// The type of a guarded topic is known.
     pub fn advertise(&mut self, channel: &RawChannel, connector: &mut dyn Connector) {
         let Duty { guards, reactions, watch, .. } = self;
-        for guard in guards.iter_mut().filter(|guard| guard.is_from(&channel.topic)) {
+        let topic = absolute(&channel.topic);
+        for guard in guards.iter_mut().filter(|guard| guard.is_from(&topic)) {
             if let Err(why) = guard.advertise(channel, reactions, connector) {
                 watch.note(&format!("nothing passes the guard of {}: {why}", channel.topic));
             }

@@ -1,4 +1,4 @@
-//! Takes connections in, each into a thread of its own.
+//! Takes connections in, each into a thread of its own: for whatever this process serves, on a graph or beside it.
 
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
@@ -12,13 +12,14 @@ const BREATH: Duration = Duration::from_millis(50);
 
 /// A listener at work; it ends when this is dropped, those that were taken in do not.
 #[derive(Debug)]
-pub(crate) struct Server {
+pub struct Server {
     address: SocketAddr,
     is_over: Arc<AtomicBool>,
 }
 
 impl Server {
-    /// Handles what comes in; beyond so many at once, connections are closed as they come.
+    /// Handles what comes in; beyond `most` at once, connections are closed as they come. `name` is that of its thread. An error says why there is no
+    /// thread, or no address.
     pub fn start(
         name: &str,
         listener: TcpListener,
@@ -51,6 +52,11 @@ impl Server {
         })?;
         Ok(Server { address, is_over })
     }
+
+    /// Where it listens.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
 }
 
 impl Drop for Server {
@@ -68,5 +74,36 @@ struct Place(Arc<AtomicUsize>);
 impl Drop for Place {
     fn drop(&mut self) {
         self.0.fetch_sub(1, Ordering::AcqRel);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Read;
+    use std::time::Instant;
+
+    use super::*;
+
+    #[test]
+    fn a_place_is_given_back_also_by_who_panicked() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let is_first = AtomicBool::new(true);
+        let handle = move |mut stream: TcpStream| {
+            assert!(!is_first.swap(false, Ordering::Relaxed), "on purpose: this is a test");
+            io::Write::write_all(&mut stream, b"here").unwrap();
+        };
+        let server = Server::start("test", listener, 1, handle).unwrap();
+        let begin = Instant::now();
+        // The first is let down, and until its thread is gone there is no place for another.
+        loop {
+            let mut answer = String::new();
+            let mut stream = TcpStream::connect(server.address()).unwrap();
+            // Closed before it was read, or while it was: no answer, either way.
+            if stream.read_to_string(&mut answer).is_ok() && answer == "here" {
+                return;
+            }
+            assert!(begin.elapsed() < Duration::from_secs(30), "nobody is answered any more");
+            thread::sleep(Duration::from_millis(5));
+        }
     }
 }
