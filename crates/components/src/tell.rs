@@ -3,11 +3,10 @@
 use lapwing_diag::SourceMap;
 use lapwing_genom::Model;
 use lapwing_genom::model::{Direction, Parameter};
-use lapwing_stream::{Duration, Time};
+use lapwing_stream::{Duration, Time, json};
 
 use crate::datum::Datum;
 use crate::happening::{Happening, What, Whose, line, place};
-use crate::record::json;
 use crate::types::Types;
 
 /// What is written to a port is shown up to so many bytes.
@@ -112,7 +111,7 @@ impl Teller<'_> {
 
     fn value(&self, ty: &lapwing_genom::model::Type, value: &Datum) -> String {
         let mut text = String::new();
-        json(&mut text, &self.types.to_value(ty, value));
+        json::value(&mut text, &self.types.to_value(ty, value));
         if text.len() > MOST_SHOWN {
             let end = (0..=MOST_SHOWN).rev().find(|at| text.is_char_boundary(*at)).unwrap_or(0);
             text.truncate(end);
