@@ -42,8 +42,17 @@ type Reply = Result<Vec<u8>, String>;
 struct Waiting {
     calls: BTreeMap<u64, Sender<Reply>>,
     next: u64,
-    /// How the process ended.
-    ended: Option<String>,
+    /// Why no more answers come, if none do.
+    silence: Option<Silence>,
+}
+
+/// Why there are no more frames.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) enum Silence {
+    /// The other end is closed.
+    Closed,
+    /// What came is no frame: what is wrong with it.
+    Garbled(String),
 }
 
 /// A process with the codels of a component.
@@ -67,23 +76,26 @@ impl Process {
         command.stdout(Stdio::from(std::io::stderr()));
         let child = command.spawn().map_err(|e| cannot(e.to_string()))?;
         drop(command);
-        let mut from = ours.try_clone().map_err(|e| cannot(e.to_string()))?;
-        let hello =
-            read_frame(&mut from).ok_or_else(|| cannot("it ended before it had loaded the library".to_owned()))?;
+        let (to, child, waiting) = (Mutex::new(ours), Mutex::new(child), Arc::new(Mutex::new(Waiting::default())));
+        // From here on the process is ended and reaped wherever this ends.
+        let mut process = Process { to, child, waiting, patience: isolation.patience, interface: None };
+        let mut from = lock(&process.to).try_clone().map_err(|e| cannot(e.to_string()))?;
+        let hello = read_frame(&mut from).map_err(|silence| match silence {
+            Silence::Closed => cannot("it ended before it had loaded the library".to_owned()),
+            Silence::Garbled(why) => cannot(format!("what it says cannot be understood: {why}")),
+        })?;
         let hello = String::from_utf8_lossy(&hello).into_owned();
-        let interface = match hello.split_once(' ') {
+        process.interface = match hello.split_once(' ') {
             Some(("has", print)) => Some(print.to_owned()),
             Some(("error", why)) => return Err(LoadError(why.to_owned())),
             _ => None,
         };
-        let waiting = Arc::new(Mutex::new(Waiting::default()));
-        let hears = waiting.clone();
+        let hears = process.waiting.clone();
         thread::Builder::new()
             .name(format!("codels of {component}"))
             .spawn(move || listen(&mut from, &hears))
             .map_err(|e| cannot(e.to_string()))?;
-        let (to, child) = (Mutex::new(ours), Mutex::new(child));
-        Ok(Process { to, child, waiting, patience: isolation.patience, interface })
+        Ok(process)
     }
 
     /// What its library says of its interface; `None` where it has no codels of the component.
@@ -91,31 +103,31 @@ impl Process {
         self.interface.as_deref()
     }
 
-    /// How the process ended, in words: it is waited for.
-    fn end(&self) -> String {
-        let status = lock(&self.child).wait();
-        let words = match status {
-            Ok(status) => status.to_string(),
-            Err(error) => error.to_string(),
+    /// Why there is no answer, and will be none. The process is over then.
+    fn trouble(&self) -> Trouble {
+        let status = {
+            let mut child = lock(&self.child);
+            // It may be alive, and only not be understood. One that has died keeps how it died.
+            drop(child.kill());
+            child.wait()
         };
-        let mut waiting = lock(&self.waiting);
-        waiting.ended.get_or_insert(words).clone()
-    }
-
-    fn crashed(&self) -> Trouble {
-        let message = format!("its process died: {}", self.end());
-        Trouble { kind: TroubleKind::Crashed, message }
+        if let Some(Silence::Garbled(why)) = &lock(&self.waiting).silence {
+            let message = format!("what its process answers cannot be understood, and it was ended: {why}");
+            return Trouble { kind: TroubleKind::Wrong, message };
+        }
+        let how = status.map_or_else(|e| e.to_string(), |status| status.to_string());
+        Trouble { kind: TroubleKind::Crashed, message: format!("its process died: {how}") }
     }
 }
 
 impl Border for Process {
-    fn cross(&self, _: &str, codel: u32, call: &[u8]) -> Result<Vec<u8>, Trouble> {
+    fn cross(&self, codel: u32, call: &[u8]) -> Result<Vec<u8>, Trouble> {
         let (reply, heard) = mpsc::channel();
         let number = {
             let mut waiting = lock(&self.waiting);
-            if let Some(ended) = &waiting.ended {
-                let message = format!("its process died before it was called: {ended}");
-                return Err(Trouble { kind: TroubleKind::Crashed, message });
+            if waiting.silence.is_some() {
+                drop(waiting);
+                return Err(self.trouble());
             }
             waiting.next += 1;
             let number = waiting.next;
@@ -127,12 +139,12 @@ impl Border for Process {
         frame.extend(codel.to_ne_bytes());
         frame.extend(call);
         if !write_frame(&mut lock(&self.to), &frame) {
-            return Err(self.crashed());
+            return Err(self.trouble());
         }
         match heard.recv_timeout(self.patience) {
             Ok(Ok(answer)) => Ok(answer),
             Ok(Err(why)) => Err(Trouble { kind: TroubleKind::Wrong, message: why }),
-            Err(RecvTimeoutError::Disconnected) => Err(self.crashed()),
+            Err(RecvTimeoutError::Disconnected) => Err(self.trouble()),
             Err(RecvTimeoutError::Timeout) => {
                 drop(lock(&self.child).kill());
                 let message =
@@ -161,9 +173,14 @@ impl Drop for Process {
 
 /// Hands answers to those who wait for them, until there are no more: then nobody waits in vain.
 fn listen(from: &mut UnixStream, waiting: &Mutex<Waiting>) {
-    while let Some(frame) = read_frame(from) {
-        let Some((number, rest)) = frame.split_first_chunk::<8>() else { break };
-        let Some((kind, bytes)) = rest.split_first() else { break };
+    let silence = loop {
+        let frame = match read_frame(from) {
+            Ok(frame) => frame,
+            Err(silence) => break silence,
+        };
+        let Some((number, [kind, bytes @ ..])) = frame.split_first_chunk::<8>() else {
+            break Silence::Garbled(format!("an answer of {} bytes", frame.len()));
+        };
         let reply = lock(waiting).calls.remove(&u64::from_ne_bytes(*number));
         let Some(reply) = reply else { continue };
         let answer = match kind {
@@ -171,21 +188,23 @@ fn listen(from: &mut UnixStream, waiting: &Mutex<Waiting>) {
             _ => Err(String::from_utf8_lossy(bytes).into_owned()),
         };
         drop(reply.send(answer));
-    }
-    lock(waiting).calls.clear();
+    };
+    let mut waiting = lock(waiting);
+    waiting.silence = Some(silence);
+    waiting.calls.clear();
 }
 
-pub(crate) fn read_frame(from: &mut UnixStream) -> Option<Vec<u8>> {
+pub(crate) fn read_frame(from: &mut UnixStream) -> Result<Vec<u8>, Silence> {
     let mut length = [0; 4];
-    from.read_exact(&mut length).ok()?;
+    from.read_exact(&mut length).map_err(|_| Silence::Closed)?;
     let length = u32::from_ne_bytes(length) as usize;
     if length > MOST_BYTES {
-        return None;
+        return Err(Silence::Garbled(format!("{length} bytes at once are more than {MOST_BYTES}")));
     }
     // Memory comes with the bytes, not with what is said of them.
     let mut frame = Vec::new();
-    let read = from.take(length as u64).read_to_end(&mut frame).ok()?;
-    (read == length).then_some(frame)
+    let read = from.take(length as u64).read_to_end(&mut frame).map_err(|_| Silence::Closed)?;
+    if read == length { Ok(frame) } else { Err(Silence::Closed) }
 }
 
 pub(crate) fn write_frame(to: &mut UnixStream, frame: &[u8]) -> bool {
@@ -195,4 +214,49 @@ pub(crate) fn write_frame(to: &mut UnixStream, frame: &[u8]) -> bool {
 
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A program of the shell that speaks to us on its standard input. It is given the library and the component as `$0` and `$1`.
+    fn start(script: &str, library: &Path) -> Result<Process, LoadError> {
+        let arguments = ["-c", script].map(str::to_owned).to_vec();
+        let isolation = Isolation { program: "/bin/sh".into(), arguments, patience: Duration::from_secs(600) };
+        Process::start(&isolation, library, "C")
+    }
+
+    /// Says that it has codels, if numbers are as on most machines.
+    const HELLO: &str = "printf '\\005\\000\\000\\000has x' >&0; head -c 1 >/dev/null;";
+
+    #[test]
+    fn a_process_that_is_alive_and_talks_nonsense_is_ended() {
+        if cfg!(target_endian = "big") {
+            return;
+        }
+        for (nonsense, words) in [("\\377\\377\\377\\377", "4294967295 bytes"), ("\\001\\000\\000\\000x", "of 1 bytes")]
+        {
+            let script = format!("{HELLO} printf '{nonsense}' >&0; exec sleep 600");
+            let process = start(&script, Path::new("lib")).unwrap();
+            assert_eq!(process.interface(), Some("x"));
+            for _ in 0..2 {
+                let trouble = process.cross(0, &[]).unwrap_err();
+                assert_eq!(trouble.kind, TroubleKind::Wrong);
+                assert!(trouble.message.contains(words), "{trouble}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_process_that_cannot_be_used_is_not_left_behind() {
+        let folder = tempfile::tempdir().unwrap();
+        let note = folder.path().join("pid");
+        let script = "echo $$ > \"$0\"; printf '\\377\\377\\377\\377' >&0; exec sleep 600";
+        let Err(error) = start(script, &note) else { panic!("it has said nothing") };
+        assert!(error.0.contains("4294967295 bytes"), "{error}");
+        let pid = std::fs::read_to_string(&note).unwrap();
+        let alive = Command::new("kill").args(["-0", pid.trim()]).stderr(Stdio::null()).status().unwrap();
+        assert!(!alive.success(), "{pid}");
+    }
 }

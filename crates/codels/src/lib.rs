@@ -48,7 +48,7 @@ impl std::error::Error for LoadError {}
 
 /// Where the bytes of a call go, and those of its answer come from.
 trait Border: Send + Sync {
-    fn cross(&self, component: &str, codel: u32, call: &[u8]) -> Result<Vec<u8>, Trouble>;
+    fn cross(&self, codel: u32, call: &[u8]) -> Result<Vec<u8>, Trouble>;
 }
 
 /// A codel beyond a border.
@@ -61,7 +61,7 @@ impl Codel for CCodel {
     fn call(&self, call: &mut Call) -> Result<Answer, Trouble> {
         let mut bytes = Vec::new();
         wire::write_call(call, &mut bytes).map_err(Trouble::wrong)?;
-        let answer = self.border.cross(&call.component, self.number, &bytes)?;
+        let answer = self.border.cross(self.number, &bytes)?;
         wire::read_answer(call, &answer).map_err(|why| Trouble {
             kind: TroubleKind::Wrong,
             message: format!("what `{}` has answered cannot be understood: {why}", call.function),
@@ -75,11 +75,11 @@ impl Codel for CCodel {
 ///
 /// The library cannot be loaded, has no codels of these components, or was compiled for another specification.
 pub fn load(path: &Path, model: &Model) -> Result<Codels, LoadError> {
-    let library = Arc::new(Library::open(path)?);
+    let library = Library::open(path)?;
     let mut codels = Codels::new();
     for component in &model.components {
         if has_codels(&library, model, component, path)? {
-            let border: Arc<dyn Border> = library.clone();
+            let border: Arc<dyn Border> = Arc::new(library.component(&component.name)?);
             add(&mut codels, component, &border);
         }
     }

@@ -47,20 +47,38 @@ impl Library {
         let text = unsafe { CStr::from_ptr(function()) };
         Some(text.to_string_lossy().into_owned())
     }
+
+    /// The codels of a component.
+    ///
+    /// # Errors
+    ///
+    /// A function of the glue is not there.
+    pub(crate) fn component(&self, name: &str) -> Result<Component, LoadError> {
+        let absent = |what: &str| LoadError(format!("the library has no function `{what}_{name}`"));
+        let (call_name, free_name) = (format!("lapwing_call_{name}\0"), format!("lapwing_free_{name}\0"));
+        // SAFETY: a function of that name is the glue's, with that type, and is there as long as the library, that is for ever.
+        let call = unsafe { self.inner.get::<CallFunction>(call_name.as_bytes()) };
+        // SAFETY: as above.
+        let free = unsafe { self.inner.get::<Free>(free_name.as_bytes()) };
+        Ok(Component {
+            call: *call.map_err(|_| absent("lapwing_call"))?,
+            free: *free.map_err(|_| absent("lapwing_free"))?,
+        })
+    }
 }
 
-impl Border for Library {
-    fn cross(&self, component: &str, codel: u32, call: &[u8]) -> Result<Vec<u8>, Trouble> {
-        let absent = |what: &str| Trouble::wrong(format!("the library has no function `{what}_{component}`"));
-        let (call_name, free_name) = (format!("lapwing_call_{component}\0"), format!("lapwing_free_{component}\0"));
-        // SAFETY: functions of these names are the glue's, with these types.
-        let function = unsafe { self.inner.get::<CallFunction>(call_name.as_bytes()) };
-        let function = function.map_err(|_| absent("lapwing_call"))?;
-        // SAFETY: as above.
-        let free = unsafe { self.inner.get::<Free>(free_name.as_bytes()) }.map_err(|_| absent("lapwing_free"))?;
+/// The codels of a component in a library: who calls them, and who takes back what they have answered.
+#[derive(Clone, Copy)]
+pub(crate) struct Component {
+    call: CallFunction,
+    free: Free,
+}
+
+impl Border for Component {
+    fn cross(&self, codel: u32, call: &[u8]) -> Result<Vec<u8>, Trouble> {
         let (mut answer, mut size) = (ptr::null_mut(), 0);
         // SAFETY: the glue reads `call.len()` bytes from `call`, and sets `answer` and `size` where it returns 0.
-        let code = unsafe { function(codel, call.as_ptr(), call.len(), &raw mut answer, &raw mut size) };
+        let code = unsafe { (self.call)(codel, call.as_ptr(), call.len(), &raw mut answer, &raw mut size) };
         let why = match code {
             0 => None,
             1 => Some("the library has no such codel"),
@@ -76,7 +94,7 @@ impl Border for Library {
         // SAFETY: the glue has allocated `size` bytes at `answer`, and written all of them; they are ours until they are freed below.
         let bytes = unsafe { std::slice::from_raw_parts(answer, size) }.to_vec();
         // SAFETY: it is what the glue has allocated, and is not used any more.
-        unsafe { free(answer) };
+        unsafe { (self.free)(answer) };
         Ok(bytes)
     }
 }

@@ -15,23 +15,26 @@ pub fn serve(library: &Path, component: &str) -> bool {
     let Ok(socket) = std::io::stdin().as_fd().try_clone_to_owned().map(UnixStream::from) else { return false };
     let Ok(mut from) = socket.try_clone() else { return false };
     let to = Arc::new(Mutex::new(socket));
-    let (library, hello) = match Library::open(library) {
-        Ok(library) => {
-            let hello = library.interface(component).map_or_else(|| "none".to_owned(), |print| format!("has {print}"));
-            (Some(library), hello)
-        }
+    let found = Library::open(library).and_then(|library| match library.interface(component) {
+        Some(print) => Ok(Some((print, library.component(component)?))),
+        None => Ok(None),
+    });
+    let (codels, hello) = match found {
+        Ok(Some((print, codels))) => (Some(codels), format!("has {print}")),
+        Ok(None) => (None, "none".to_owned()),
         Err(error) => (None, format!("error {error}")),
     };
     write_frame(&mut lock(&to), hello.as_bytes());
-    let Some(library) = library.map(Arc::new) else { return false };
-    while let Some(frame) = read_frame(&mut from) {
+    // Who has asked for codels that are not here asks no more.
+    let Some(codels) = codels else { return false };
+    while let Ok(frame) = read_frame(&mut from) {
         let Some((number, rest)) = frame.split_first_chunk::<8>() else { return false };
         let Some((codel, call)) = rest.split_first_chunk::<4>() else { return false };
         let (number, codel, call) = (*number, u32::from_ne_bytes(*codel), call.to_vec());
-        let (library, to, component) = (library.clone(), to.clone(), component.to_owned());
+        let to = to.clone();
         // Codels of different tasks run at the same time; who asks sees to it that those of one do not.
         let work = move || {
-            let (kind, bytes) = match library.cross(&component, codel, &call) {
+            let (kind, bytes) = match codels.cross(codel, &call) {
                 Ok(answer) => (0, answer),
                 Err(trouble) => (1, trouble.message.into_bytes()),
             };

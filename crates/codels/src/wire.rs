@@ -61,23 +61,28 @@ fn write(types: &Types, ty: &Type, datum: &Datum, out: &mut Vec<u8>) -> Result<(
             Ok(())
         }
         (Layout::Array(inner, _), Datum::List(items)) => {
-            items.iter().try_for_each(|item| write(types, &inner, item, out))
+            items.iter().try_for_each(|item| write(types, inner, item, out))
         }
         (Layout::Sequence(inner, _), Datum::List(items)) => {
             length(items.len(), out);
-            items.iter().try_for_each(|item| write(types, &inner, item, out))
+            items.iter().try_for_each(|item| write(types, inner, item, out))
         }
         (Layout::Struct(fields), Datum::Struct(parts)) => {
-            fields.iter().zip(parts).try_for_each(|(field, part)| write(types, field, part, out))
+            fields.iter().zip(parts).try_for_each(|(field, part)| write(types, &field.ty, part, out))
         }
         (Layout::Optional(inner), Datum::Optional(value)) => {
             out.push(u8::from(value.is_some()));
-            value.iter().try_for_each(|value| write(types, &inner, value, out))
+            value.iter().try_for_each(|value| write(types, inner, value, out))
         }
-        (Layout::Union(cases), Datum::Union(tag, Some((number, value)))) => {
-            out.extend(i64::try_from(*tag).unwrap_or(0).to_ne_bytes());
-            let inner = cases.get(*number).ok_or("a union without that member")?;
-            write(types, &inner.1, value, out)
+        (Layout::Union(cases), Datum::Union(tag, value)) => {
+            let there = member(&cases, *tag);
+            let tag = i64::try_from(*tag).map_err(|_| format!("a union of {tag} has no form in C"))?;
+            out.extend(tag.to_ne_bytes());
+            match (there, value) {
+                (None, None) => Ok(()),
+                (Some((wanted, ty)), Some((number, value))) if wanted == *number => write(types, ty, value, out),
+                _ => Err(format!("a union of {tag} has another member there")),
+            }
         }
         (Layout::Native, Datum::Native(handle)) => {
             out.extend(handle.to_ne_bytes());
@@ -85,6 +90,13 @@ fn write(types: &Types, ty: &Type, datum: &Datum, out: &mut Vec<u8>) -> Result<(
         }
         (_, other) => Err(format!("a value has no form in C: {other:?}")),
     }
+}
+
+/// The member of a union that is there: its number and its type. There may be none.
+fn member<'t>(cases: &[(Vec<i128>, &'t Type)], tag: i128) -> Option<(usize, &'t Type)> {
+    let labelled = cases.iter().position(|(tags, _)| tags.contains(&tag));
+    let number = labelled.or_else(|| cases.iter().position(|(tags, _)| tags.is_empty()))?;
+    cases.get(number).map(|(_, ty)| (number, *ty))
 }
 
 fn basic_out(basic: Basic, datum: &Datum, out: &mut Vec<u8>) -> Result<(), String> {
@@ -140,18 +152,18 @@ struct Reader<'b> {
 
 impl Reader<'_> {
     fn argument(&mut self, argument: &mut Argument) -> Result<(), String> {
-        let ty = argument.ty.clone();
-        match &mut argument.value {
-            Held::Data(datum) => *datum = self.value(&ty, 0)?,
+        let Argument { ty, value, .. } = argument;
+        match value {
+            Held::Data(datum) => *datum = self.value(ty, 0)?,
             Held::Port { written, .. } => {
                 for _ in 0..self.length()? {
-                    written.push(self.value(&ty, 0)?);
+                    written.push(self.value(ty, 0)?);
                 }
             }
             Held::Ports { content, written } => {
                 let content: &mut BTreeMap<String, Datum> = content;
                 for _ in 0..self.length()? {
-                    let (name, value) = (self.text()?, self.value(&ty, 0)?);
+                    let (name, value) = (self.text()?, self.value(ty, 0)?);
                     content.insert(name.clone(), value.clone());
                     written.push((name, value));
                 }
@@ -195,9 +207,16 @@ impl Reader<'_> {
         if depth > MOST_DEPTH {
             return Err("values stand too deep inside values".to_owned());
         }
-        Ok(match self.types.layout(ty) {
+        let types = self.types;
+        Ok(match types.layout(ty) {
             Layout::Basic(basic) => self.basic(basic)?,
-            Layout::Text(_) => Datum::Text(self.text()?),
+            Layout::Text(most) => {
+                let text = self.text()?;
+                if most.is_some_and(|most| text.len() as u64 > most) {
+                    return Err(format!("a text has {} bytes, which are too many", text.len()));
+                }
+                Datum::Text(text)
+            }
             Layout::Enum(count) => {
                 let number = u32::from_ne_bytes(self.take()?);
                 if number as usize >= count {
@@ -206,7 +225,7 @@ impl Reader<'_> {
                 Datum::Int(i128::from(number))
             }
             Layout::Array(inner, length) => {
-                let items = (0..length).map(|_| self.value(&inner, depth + 1));
+                let items = (0..length).map(|_| self.value(inner, depth + 1));
                 Datum::List(items.collect::<Result<_, _>>()?)
             }
             Layout::Sequence(inner, most) => {
@@ -214,28 +233,24 @@ impl Reader<'_> {
                 if most.is_some_and(|most| length as u64 > most) {
                     return Err(format!("a sequence has {length} elements, which are too many"));
                 }
-                let items = (0..length).map(|_| self.value(&inner, depth + 1));
+                let items = (0..length).map(|_| self.value(inner, depth + 1));
                 Datum::List(items.collect::<Result<_, _>>()?)
             }
             Layout::Struct(fields) => {
-                let parts = fields.iter().map(|field| self.value(field, depth + 1));
+                let parts = fields.iter().map(|field| self.value(&field.ty, depth + 1));
                 Datum::Struct(parts.collect::<Result<_, _>>()?)
             }
             Layout::Optional(inner) => match self.byte()? {
                 0 => Datum::Optional(None),
-                _ => Datum::Optional(Some(Box::new(self.value(&inner, depth + 1)?))),
+                _ => Datum::Optional(Some(Box::new(self.value(inner, depth + 1)?))),
             },
             Layout::Union(cases) => {
                 let tag = i128::from(i64::from_ne_bytes(self.take()?));
-                let has = |tags: &[i128]| tags.contains(&tag);
-                let found = cases.iter().position(|(tags, _)| has(tags));
-                let found = found.or_else(|| cases.iter().position(|(tags, _)| tags.is_empty()));
-                match found.and_then(|number| Some((number, cases.get(number)?))) {
-                    Some((number, (_, inner))) => {
-                        Datum::Union(tag, Some((number, Box::new(self.value(inner, depth + 1)?))))
-                    }
-                    None => Datum::Union(tag, None),
-                }
+                let value = match member(&cases, tag) {
+                    Some((number, inner)) => Some((number, Box::new(self.value(inner, depth + 1)?))),
+                    None => None,
+                };
+                Datum::Union(tag, value)
             }
             Layout::Native => Datum::Native(self.u64()?),
             Layout::Other(what) => return Err(format!("{what} has no form in C")),
@@ -275,10 +290,9 @@ mod tests {
         let few = Type::Sequence(Box::new(Type::Basic(Basic::Short)), Some(3));
         let fields = vec![field("x", Type::Basic(Basic::Double)), field("t", Type::Text(None)), field("few", few)];
         let def = TypeDef { path: vec!["s".to_owned()], kind: TypeDefKind::Struct(fields), span: Default::default() };
-        let types = Types::new(&Model { types: vec![def], ..Model::default() });
-        let ty = Type::Named(TypeId(0));
-        let argument =
-            |name: &str, direction, value| Argument { name: name.to_owned(), direction, ty: ty.clone(), value };
+        let types = Types::new(&Model { types: vec![def], ..Model::default() }).unwrap();
+        let ty = Arc::new(Type::Named(TypeId(0)));
+        let argument = |name: &str, direction, value| Argument { name: name.into(), direction, ty: ty.clone(), value };
         let datum = Datum::Struct(vec![
             Datum::Float(0.5),
             Datum::Text("abc".to_owned()),

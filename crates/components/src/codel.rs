@@ -136,11 +136,11 @@ impl fmt::Debug for Codels {
 #[derive(Clone, Debug)]
 pub struct Argument {
     /// Its name for the codel.
-    pub name: String,
+    pub name: Arc<str>,
     /// Which way it goes.
     pub direction: Direction,
     /// Its type; of a port, that of what flows.
-    pub ty: Type,
+    pub ty: Arc<Type>,
     /// What it holds.
     pub value: Held,
 }
@@ -208,7 +208,7 @@ impl Call {
     ///
     /// There is no such thing, or the port is empty: [`Call::has`] says so beforehand.
     pub fn get(&self, path: &str) -> Result<&Datum, Trouble> {
-        let (argument, way, _) = self.find(path)?;
+        let (_, argument, way, _) = self.find(path)?;
         let whole = match &argument.value {
             Held::Data(datum) | Held::Port { content: Some(datum), .. } => datum,
             Held::Port { content: None, .. } => return Err(self.wrong(path, "nothing has been written to the port")),
@@ -266,12 +266,12 @@ impl Call {
 
     /// Whether something has ever been written to a port.
     pub fn has(&self, port: &str) -> bool {
-        self.arguments.iter().any(|a| a.name == port && matches!(a.value, Held::Port { content: Some(_), .. }))
+        self.arguments.iter().any(|a| *a.name == *port && matches!(a.value, Held::Port { content: Some(_), .. }))
     }
 
     /// What was last written to each of many ports under one name.
     pub fn contents(&self, port: &str) -> Option<&BTreeMap<String, Datum>> {
-        self.arguments.iter().find(|a| a.name == port).and_then(|a| match &a.value {
+        self.arguments.iter().find(|a| *a.name == *port).and_then(|a| match &a.value {
             Held::Ports { content, .. } => Some(content),
             _ => None,
         })
@@ -283,16 +283,15 @@ impl Call {
     ///
     /// There is no such thing, it is only to be read, or the value does not fit.
     pub fn set(&mut self, path: &str, value: impl Into<Datum>) -> Result<(), Trouble> {
-        let (argument, way, ty) = self.find(path)?;
+        let (number, argument, way, ty) = self.find(path)?;
         if argument.direction == Direction::In {
             return Err(self.wrong(path, "it is `in`, and only to be read"));
         }
-        let fitted = self.types.fit(&ty, value.into()).map_err(|why| self.wrong(path, &why))?;
-        let (name, whole) = (argument.name.clone(), argument.ty.clone());
-        let types = self.types.clone();
-        let place = self.arguments.iter_mut().find(|a| a.name == name).and_then(|a| match &mut a.value {
+        let fitted = self.types.fit(ty, value.into()).map_err(|why| self.wrong(path, &why))?;
+        let Call { arguments, types, .. } = self;
+        let place = arguments.get_mut(number).and_then(|Argument { ty, value, .. }| match value {
             Held::Data(datum) => datum.part_mut(&way),
-            Held::Port { content, .. } => content.get_or_insert_with(|| types.initial(&whole)).part_mut(&way),
+            Held::Port { content, .. } => content.get_or_insert_with(|| types.initial(ty)).part_mut(&way),
             _ => None,
         });
         match place {
@@ -320,8 +319,8 @@ impl Call {
     ///
     /// There is no such port out.
     pub fn write(&mut self, port: &str) -> Result<(), Trouble> {
-        let types = self.types.clone();
-        let found = self.arguments.iter_mut().find(|a| a.name == port && a.direction != Direction::In);
+        let Call { arguments, types, .. } = self;
+        let found = arguments.iter_mut().find(|a| *a.name == *port && a.direction != Direction::In);
         match found.map(|a| (&a.ty, &mut a.value)) {
             Some((ty, Held::Port { content, written })) => {
                 written.push(content.get_or_insert_with(|| types.initial(ty)).clone());
@@ -340,17 +339,29 @@ impl Call {
         }
     }
 
-    fn find(&self, path: &str) -> Result<(&Argument, Vec<usize>, Type), Trouble> {
-        let all = steps(path).ok_or_else(|| self.wrong(path, "that is no way to a value"))?;
-        let Some((Step::Member(name), rest)) = all.split_first() else {
-            return Err(self.wrong(path, "that is no way to a value"));
-        };
-        let argument = self.arguments.iter().find(|a| a.name == *name).ok_or_else(|| {
-            let names: Vec<&str> = self.arguments.iter().map(|a| a.name.as_str()).collect();
+    /// The parameter that a way begins with, by its number too, and where the way leads in it.
+    fn find(&self, path: &str) -> Result<(usize, &Argument, Vec<usize>, &Type), Trouble> {
+        let end = path.find(['.', '[']).unwrap_or(path.len());
+        let (name, rest) = path.split_at(end);
+        // PERF: most ways are a name alone (`examples/rate.rs`).
+        let rest = if rest.is_empty() { Vec::new() } else { self.steps_after(path)? };
+        let found = self.arguments.iter().enumerate().find(|(_, a)| *a.name == *name);
+        let (number, argument) = found.ok_or_else(|| {
+            let names: Vec<&str> = self.arguments.iter().map(|a| &*a.name).collect();
             self.wrong(path, &format!("the codel is given {}", listed(&names)))
         })?;
-        let (way, ty) = self.types.way(&argument.ty, rest).map_err(|why| self.wrong(path, &why))?;
-        Ok((argument, way, ty))
+        let (way, ty) = self.types.way(&argument.ty, &rest).map_err(|why| self.wrong(path, &why))?;
+        Ok((number, argument, way, ty))
+    }
+
+    /// The steps of a way after its name.
+    fn steps_after(&self, path: &str) -> Result<Vec<Step>, Trouble> {
+        let mut all = steps(path).unwrap_or_default();
+        if all.is_empty() {
+            return Err(self.wrong(path, "that is no way to a value"));
+        }
+        all.remove(0);
+        Ok(all)
     }
 
     fn wrong(&self, path: &str, why: &str) -> Trouble {

@@ -36,6 +36,15 @@ impl Datum {
         }
     }
 
+    /// Of how many parts it consists, itself included.
+    pub(crate) fn parts(&self) -> u64 {
+        match self {
+            Datum::List(parts) | Datum::Struct(parts) => parts.iter().map(Datum::parts).sum::<u64>() + 1,
+            Datum::Union(_, Some((_, part))) | Datum::Optional(Some(part)) => part.parts() + 1,
+            _ => 1,
+        }
+    }
+
     /// A part of it. `members` are the numbers of members where the way leads through structures, as [`crate::types::Types::way`] finds them.
     pub(crate) fn part(&self, way: &[usize]) -> Option<&Datum> {
         way.iter().try_fold(self, |at, number| match at {

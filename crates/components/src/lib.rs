@@ -16,6 +16,8 @@ pub mod codel;
 mod run;
 
 mod machine;
+
+mod access;
 mod store;
 
 mod datum;

@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::fs::File;
 use std::io::{self, BufWriter, Seek, Write};
+use std::path::Path;
 
-use lapwing_stream::{Field, Schema, Time, Type, Value};
+use lapwing_stream::{Field, Schema, Time, Type, json};
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions, Writer};
 
@@ -21,6 +23,22 @@ pub struct Recorder<W: Write + Seek> {
 enum To<W: Write + Seek> {
     Lines(BufWriter<W>),
     Mcap(Box<Writer<W>>, Vec<u16>),
+}
+
+impl Recorder<File> {
+    /// A recording in a file: one line for each message where its name ends in `.ndjson` or `.jsonl`, else MCAP.
+    ///
+    /// # Errors
+    ///
+    /// It cannot be written: which file, and why.
+    pub fn create(path: &Path, signals: &Signals) -> Result<Recorder<File>, String> {
+        let cannot = |e: &dyn std::fmt::Display| format!("{} cannot be written: {e}", path.display());
+        let file = File::create(path).map_err(|e| cannot(&e))?;
+        match path.extension().is_some_and(|e| e == "ndjson" || e == "jsonl") {
+            true => Ok(Recorder::lines(file, signals)),
+            false => Recorder::mcap(file, signals).map_err(|e| cannot(&e)),
+        }
+    }
 }
 
 impl<W: Write + Seek> Recorder<W> {
@@ -59,13 +77,13 @@ impl<W: Write + Seek> Recorder<W> {
                 let Some((topic, ty)) = self.names.get(message.topic) else { return Ok(()) };
                 // Writing to a text cannot fail.
                 let _ = write!(self.line, "{{\"t_ns\":{},\"topic\":{topic},\"type\":{ty},\"msg\":", time.0);
-                json(&mut self.line, &message.value);
+                json::value(&mut self.line, &message.value);
                 self.line.push_str("}\n");
                 out.write_all(self.line.as_bytes())
             }
             To::Mcap(writer, channels) => {
                 let Some(channel_id) = channels.get(message.topic).copied() else { return Ok(()) };
-                json(&mut self.line, &message.value);
+                json::value(&mut self.line, &message.value);
                 let stamp = u64::try_from(time.0).unwrap_or_default();
                 let header = MessageHeader { channel_id, sequence: self.count, log_time: stamp, publish_time: stamp };
                 self.count = self.count.wrapping_add(1);
@@ -91,58 +109,10 @@ impl<W: Write + Seek> Recorder<W> {
 fn names(signals: &Signals) -> Vec<(String, String)> {
     let quoted = |s: &str| {
         let mut line = String::new();
-        text(&mut line, s);
+        json::text(&mut line, s);
         line
     };
     signals.topics().iter().map(|t| (quoted(&t.name), quoted(&t.schema.name))).collect()
-}
-
-/// A value as JSON; what is no number is written as readers of recordings take it.
-pub(crate) fn json(line: &mut String, value: &Value) {
-    let list = |line: &mut String, items: &mut dyn Iterator<Item = Value>| {
-        line.push('[');
-        for (place, item) in items.enumerate() {
-            if place > 0 {
-                line.push(',');
-            }
-            json(line, &item);
-        }
-        line.push(']');
-    };
-    match value {
-        Value::Missing => line.push_str("null"),
-        Value::Bool(b) => line.push_str(if *b { "true" } else { "false" }),
-        Value::Num(x) if x.is_nan() => line.push_str("NaN"),
-        Value::Num(x) if x.is_infinite() => line.push_str(if *x > 0.0 { "Infinity" } else { "-Infinity" }),
-        Value::Num(x) => _ = write!(line, "{x:?}"),
-        Value::Str(s) => text(line, s),
-        Value::Nums(numbers) => list(line, &mut numbers.iter().map(|x| Value::Num(*x))),
-        Value::List(items) => list(line, &mut items.iter().cloned()),
-        Value::Record(fields) => {
-            line.push('{');
-            for (place, (name, value)) in fields.iter().enumerate() {
-                if place > 0 {
-                    line.push(',');
-                }
-                text(line, name);
-                line.push(':');
-                json(line, value);
-            }
-            line.push('}');
-        }
-    }
-}
-
-fn text(line: &mut String, text: &str) {
-    line.push('"');
-    for c in text.chars() {
-        match c {
-            '"' | '\\' => line.extend(['\\', c]),
-            c if c < ' ' => _ = write!(line, "\\u{:04x}", u32::from(c)),
-            c => line.push(c),
-        }
-    }
-    line.push('"');
 }
 
 fn json_schema(schema: &Schema) -> String {
@@ -157,7 +127,7 @@ fn object(line: &mut String, fields: &[Field]) {
         if place > 0 {
             line.push(',');
         }
-        text(line, &field.name);
+        json::text(line, &field.name);
         line.push(':');
         schema_of(line, &field.ty);
     }

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use lapwing_diag::suggest::nearest;
 use lapwing_genom::model::{Direction, Model, Service, ServiceId, ServiceKind};
 use lapwing_stream::Time;
 
@@ -101,7 +102,8 @@ pub fn service_of(model: &Model, name: &str) -> Result<(usize, ServiceId), Strin
     };
     let Some(number) = model.components.iter().position(|c| c.name == component) else {
         let names: Vec<&str> = model.components.iter().map(|c| c.name.as_str()).collect();
-        return Err(format!("there is no component `{component}`; there are {}", names.join(", ")));
+        let near = meant(component, &names);
+        return Err(format!("there is no component `{component}`; there are {}{near}", names.join(", ")));
     };
     let declared = &model.components[number];
     match declared.service(service) {
@@ -109,9 +111,15 @@ pub fn service_of(model: &Model, name: &str) -> Result<(usize, ServiceId), Strin
         None => {
             let names: Vec<&str> = declared.services.iter().map(|s| s.name.as_str()).collect();
             let there = if names.is_empty() { "no service at all".to_owned() } else { names.join(", ") };
-            Err(format!("`{component}` has no service `{service}`; it has {there}"))
+            let near = meant(service, &names);
+            Err(format!("`{component}` has no service `{service}`; it has {there}{near}"))
         }
     }
+}
+
+/// What a name that nobody has was probably meant to be, in words after those that are there.
+fn meant(name: &str, there: &[&str]) -> String {
+    nearest(name, there.iter().copied()).map(|near| format!(": did you mean `{near}`?")).unwrap_or_default()
 }
 
 /// A request without arguments.
@@ -188,7 +196,7 @@ fn value(types: &Types, ty: &lapwing_genom::model::Type, base: Datum, literal: L
             let items = items.into_iter().map(|item| value(types, &inner, types.initial(&inner), item));
             types.fit(ty, Datum::List(items.collect::<Result<_, _>>()?))
         }
-        Literal::Parts(mut parts) if matches!(types.shape(ty), crate::types::Shape::Union(_)) => {
+        Literal::Parts(mut parts) if matches!(types.shape(ty), crate::types::Shape::Union(..)) => {
             let (Some((name, part)), true) = (parts.pop(), parts.is_empty()) else {
                 return Err("a union has one member at a time".to_owned());
             };
@@ -202,7 +210,7 @@ fn value(types: &Types, ty: &lapwing_genom::model::Type, base: Datum, literal: L
                 let (way, inner) = types.way(ty, &[Step::Member(name)])?;
                 let Some(place) = whole.part_mut(&way) else { continue };
                 let before = std::mem::replace(place, Datum::Native(0));
-                *place = value(types, &inner, before, part)?;
+                *place = value(types, inner, before, part)?;
             }
             Ok(whole)
         }
@@ -257,7 +265,7 @@ impl Reader<'_> {
     fn time(&mut self) -> Result<Time, RequestError> {
         let rest = self.rest();
         let text = rest.get(..rest.find(char::is_whitespace).unwrap_or(rest.len())).unwrap_or("").to_owned();
-        match nanoseconds(&text) {
+        match lapwing_genom::duration(&text).and_then(|ns| i64::try_from(ns).ok()) {
             Some(ns) => {
                 self.at += text.len();
                 Ok(Time(ns))
@@ -380,18 +388,4 @@ impl Reader<'_> {
         self.at += text.len();
         Ok(literal)
     }
-}
-
-/// A time with its unit, `1.5s`, in nanoseconds.
-pub fn nanoseconds(text: &str) -> Option<i64> {
-    let (number, unit) = text.split_at(text.find(|c: char| c.is_ascii_alphabetic())?);
-    let scale = match unit {
-        "s" => 1e9,
-        "ms" => 1e6,
-        "us" => 1e3,
-        "ns" => 1.0,
-        _ => return None,
-    };
-    let ns = number.trim().parse::<f64>().ok()? * scale;
-    (0.0..9e18).contains(&ns).then_some(ns.round() as i64)
 }

@@ -3,14 +3,13 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use lapwing_genom::model::{
-    Codel, CodelParameter, Component, Direction, Model, Object, Owner, PortId, Service, Step, Type,
-};
+use lapwing_genom::model::{Component, Direction, Model, PortId, Service, Type, TypeId};
 use lapwing_stream::{Duration, Time};
 
-use crate::codel::{Argument, Call, Held, Trouble};
+use crate::access::{Access, Place};
+use crate::codel::{Argument, Call, Held};
 use crate::datum::Datum;
-use crate::types::{MOST_PARTS, Types};
+use crate::types::Types;
 
 /// What a codel has written to a port: whose, which one of several under its name, and the value.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,35 +19,40 @@ pub(crate) struct Written {
     pub value: Datum,
 }
 
-/// The data of a service that is being served: its parameters and locals.
+/// The data of a service that is being served: its parameters, and after them its locals.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Locals {
-    values: BTreeMap<String, (Type, Datum)>,
+    values: Vec<Datum>,
 }
 
 impl Locals {
     /// Those of a service, with the values of a request.
     pub fn new(types: &Types, service: &Service, values: &[Datum]) -> Locals {
-        let parameters = service.parameters.iter().zip(values);
-        let parameters = parameters.filter_map(|(p, value)| Some((p.name.clone(), (p.ty.clone()?, value.clone()))));
-        let locals = service.locals.iter().map(|l| (l.name.clone(), (l.ty.clone(), types.initial(&l.ty))));
-        Locals { values: parameters.chain(locals).collect() }
+        let locals = service.locals.iter().map(|local| types.initial(&local.ty));
+        Locals { values: values.iter().cloned().chain(locals).collect() }
     }
 
-    /// A value by its name.
-    pub fn get(&self, name: &str) -> Option<&Datum> {
-        self.values.get(name).map(|(_, datum)| datum)
+    /// The values of the first so many: of the parameters.
+    pub fn parameters(&self, count: usize) -> &[Datum] {
+        self.values.get(..count).unwrap_or(&self.values)
     }
+}
+
+/// What was last written to a port, or to each of many under one name.
+#[derive(Clone, Debug, Default)]
+struct Content {
+    one: Option<Datum>,
+    many: BTreeMap<String, Datum>,
 }
 
 /// All data of a system.
 pub(crate) struct Store {
     pub types: Types,
-    model: Arc<Model>,
     names: Vec<Arc<str>>,
-    functions: Vec<Vec<Arc<str>>>,
+    /// By component and codel.
+    codels: Vec<Vec<Access>>,
     ids: Vec<Option<(Type, Datum)>>,
-    ports: Vec<Vec<BTreeMap<String, Datum>>>,
+    ports: Vec<Vec<Content>>,
 }
 
 impl Store {
@@ -57,48 +61,33 @@ impl Store {
     /// # Errors
     ///
     /// A type is too large to be kept.
-    pub fn new(model: Arc<Model>) -> Result<Store, String> {
-        let types = Types::new(&model);
-        let mut ids = Vec::new();
-        for component in &model.components {
-            let all = component.services.iter().flat_map(|s| {
-                let parameters = s.parameters.iter().filter_map(|p| p.ty.as_ref());
-                parameters.chain(s.locals.iter().map(|l| &l.ty))
-            });
-            let own = component.ids.map(Type::Named);
-            for ty in component.ports.iter().map(|p| &p.ty).chain(all).chain(&own) {
-                if types.parts(ty) > MOST_PARTS {
-                    let name = types.type_name(ty);
-                    return Err(format!(
-                        "`{}` of `{}` has more than {MOST_PARTS} parts, and cannot be kept",
-                        name, component.name
-                    ));
-                }
-            }
-            ids.push(own.map(|ty| (ty.clone(), types.initial(&ty))));
-        }
+    pub fn new(model: &Model) -> Result<Store, String> {
+        let types = Types::new(model)?;
+        let first = |ids: TypeId| (Type::Named(ids), types.initial(&Type::Named(ids)));
+        let accesses = |(number, component): (usize, &Component)| {
+            component.codels.iter().map(|codel| Access::new(model, &types, (number, component), codel)).collect()
+        };
         Ok(Store {
-            ids,
-            ports: model.components.iter().map(|c| vec![BTreeMap::new(); c.ports.len()]).collect(),
+            ids: model.components.iter().map(|c| c.ids.map(first)).collect(),
+            ports: model.components.iter().map(|c| vec![Content::default(); c.ports.len()]).collect(),
             names: model.components.iter().map(|c| c.name.as_str().into()).collect(),
-            functions: model
-                .components
-                .iter()
-                .map(|c| c.codels.iter().map(|codel| codel.function.as_str().into()).collect())
-                .collect(),
+            codels: model.components.iter().enumerate().map(accesses).collect(),
             types,
-            model,
         })
     }
 
     /// What a codel is given when it is called now.
     pub fn prepare(&self, at: (usize, usize), locals: Option<&Locals>, now: Time, is_logical: bool) -> Option<Call> {
-        let component = self.model.components.get(at.0)?;
-        let codel = component.codels.get(at.1)?;
-        let arguments = codel.parameters.iter().map(|parameter| self.argument(at.0, component, parameter, locals));
+        let access = self.codels.get(at.0)?.get(at.1)?;
+        let arguments = access.parameters.iter().map(|parameter| Argument {
+            name: parameter.name.clone(),
+            direction: parameter.direction,
+            ty: parameter.ty.clone(),
+            value: self.held(at.0, &parameter.place, &parameter.ty, locals),
+        });
         Some(Call {
             component: self.names.get(at.0)?.clone(),
-            function: self.functions.get(at.0)?.get(at.1)?.clone(),
+            function: access.function.clone(),
             now,
             arguments: arguments.collect(),
             busy: Duration::default(),
@@ -107,91 +96,52 @@ impl Store {
         })
     }
 
-    fn argument(
-        &self,
-        number: usize,
-        component: &Component,
-        parameter: &CodelParameter,
-        locals: Option<&Locals>,
-    ) -> Argument {
-        let (ty, value) = match &parameter.object {
-            Object::Ids(steps) => {
-                let whole = self.ids.get(number).and_then(Option::as_ref);
-                let found = whole.and_then(|(ty, datum)| self.part(ty, datum, steps));
-                self.data(found)
-            }
-            Object::Local(name, steps) => {
-                let whole = locals.and_then(|l| l.values.get(name));
-                let found = whole.and_then(|(ty, datum)| self.part(ty, datum, steps));
-                self.data(found)
-            }
-            Object::Port(port) => {
-                let declared = component.ports.get(port.0);
-                let content = self.content(number, *port);
-                let held = match declared.is_some_and(|p| p.multiple) {
-                    true => Held::Ports { content: content.cloned().unwrap_or_default(), written: Vec::new() },
-                    false => Held::Port { content: content.and_then(|c| c.get("")).cloned(), written: Vec::new() },
-                };
-                (declared.map_or(Type::Text(None), |p| p.ty.clone()), held)
-            }
-            Object::Remote(_) | Object::Unknown => (Type::Text(None), Held::Remote),
+    fn held(&self, component: usize, place: &Place, ty: &Type, locals: Option<&Locals>) -> Held {
+        let part = |whole: Option<&Datum>, way: &[usize]| {
+            let found = whole.and_then(|whole| whole.part(way)).cloned();
+            Held::Data(found.unwrap_or_else(|| self.types.initial(ty)))
         };
-        Argument { name: parameter.name.clone(), direction: parameter.direction, ty, value }
+        match place {
+            Place::Ids(way) => part(self.ids.get(component).and_then(Option::as_ref).map(|(_, ids)| ids), way),
+            Place::Local(number, way) => part(locals.and_then(|l| l.values.get(*number)), way),
+            Place::Port { kept, .. } => {
+                Held::Port { content: self.content(*kept).and_then(|c| c.one.clone()), written: Vec::new() }
+            }
+            Place::Ports { kept, .. } => Held::Ports {
+                content: self.content(*kept).map(|c| c.many.clone()).unwrap_or_default(),
+                written: Vec::new(),
+            },
+            Place::Remote => Held::Remote,
+            Place::Lost => Held::Data(Datum::Text(String::new())),
+        }
     }
 
-    fn part(&self, ty: &Type, datum: &Datum, steps: &[Step]) -> Option<(Type, Datum)> {
-        let (way, ty) = self.types.way(ty, steps).ok()?;
-        let value = datum.part(&way).cloned().unwrap_or_else(|| self.types.initial(&ty));
-        Some((ty, value))
-    }
-
-    fn data(&self, found: Option<(Type, Datum)>) -> (Type, Held) {
-        let (ty, datum) = found.unwrap_or((Type::Text(None), Datum::Text(String::new())));
-        (ty, Held::Data(datum))
-    }
-
-    /// What the port of a component holds: of one that reads, what the port that it reads holds.
-    fn content(&self, component: usize, port: PortId) -> Option<&BTreeMap<String, Datum>> {
-        let link = self.model.links.iter().find(|link| link.reader == (component, port));
-        let (component, port) = link.map_or((component, port), |link| link.writer);
-        self.ports.get(component)?.get(port.0)
+    fn content(&self, port: (usize, PortId)) -> Option<&Content> {
+        self.ports.get(port.0)?.get(port.1.0)
     }
 
     /// Takes in what a codel has changed. Gives what it has written to ports, in the order of the ports and then of the writing.
-    ///
-    /// # Errors
-    ///
-    /// A value is none of its type.
-    pub fn commit(
-        &mut self,
-        at: (usize, usize),
-        call: Call,
-        mut locals: Option<&mut Locals>,
-    ) -> Result<Vec<Written>, Trouble> {
-        let model = self.model.clone();
-        let Some(codel) = model.components.get(at.0).and_then(|c| c.codels.get(at.1)) else { return Ok(Vec::new()) };
+    pub fn commit(&mut self, at: (usize, usize), call: Call, mut locals: Option<&mut Locals>) -> Vec<Written> {
+        let Some(access) = self.codels.get(at.0).and_then(|all| all.get(at.1)) else { return Vec::new() };
         let mut all = Vec::new();
-        for (parameter, argument) in codel.parameters.iter().zip(call.arguments) {
+        for (parameter, argument) in access.parameters.iter().zip(call.arguments) {
             if parameter.direction == Direction::In {
                 continue;
             }
-            match (&parameter.object, argument.value) {
-                (Object::Ids(steps), Held::Data(datum)) => {
-                    let Some(Some((ty, whole))) = self.ids.get_mut(at.0) else { continue };
-                    put(&self.types, ty, whole, steps, datum);
+            match (&parameter.place, argument.value) {
+                (Place::Ids(way), Held::Data(datum)) => {
+                    let ids = self.ids.get_mut(at.0).and_then(Option::as_mut);
+                    put(ids.map(|(_, ids)| ids), way, datum);
                 }
-                (Object::Local(name, steps), Held::Data(datum)) => {
-                    let place = locals.as_deref_mut().and_then(|l| l.values.get_mut(name));
-                    if let Some((ty, whole)) = place {
-                        put(&self.types, ty, whole, steps, datum);
-                    }
+                (Place::Local(number, way), Held::Data(datum)) => {
+                    put(locals.as_deref_mut().and_then(|l| l.values.get_mut(*number)), way, datum);
                 }
-                (Object::Port(port), Held::Port { written, .. }) => {
-                    all.extend(written.into_iter().map(|value| Written { port: *port, name: None, value }));
+                (Place::Port { own, .. }, Held::Port { written, .. }) => {
+                    all.extend(written.into_iter().map(|value| Written { port: *own, name: None, value }));
                 }
-                (Object::Port(port), Held::Ports { written, .. }) => {
+                (Place::Ports { own, .. }, Held::Ports { written, .. }) => {
                     all.extend(written.into_iter().map(|(name, value)| Written {
-                        port: *port,
+                        port: *own,
                         name: Some(name),
                         value,
                     }));
@@ -200,29 +150,43 @@ impl Store {
             }
         }
         for Written { port, name, value } in &all {
-            if let Some(ports) = self.ports.get_mut(at.0).and_then(|p| p.get_mut(port.0)) {
-                ports.insert(name.clone().unwrap_or_default(), value.clone());
+            let Some(content) = self.ports.get_mut(at.0).and_then(|p| p.get_mut(port.0)) else { continue };
+            match name {
+                Some(name) => _ = content.many.insert(name.clone(), value.clone()),
+                None => content.one = Some(value.clone()),
             }
         }
-        Ok(all)
+        all
     }
 
-    /// An attribute reads and writes the internal data.
-    pub fn attribute(&mut self, at: (usize, usize), locals: &mut Locals) {
-        let model = self.model.clone();
-        let Some(codel) = model.components.get(at.0).and_then(|c| c.codels.get(at.1)) else { return };
-        let Some(Some((ty, whole))) = self.ids.get_mut(at.0) else { return };
-        for parameter in &codel.parameters {
-            let (Object::Ids(steps), Some((_, local))) = (&parameter.object, locals.values.get_mut(&parameter.name))
+    /// What a codel comes to that nobody has written: it leaves data as they are, and writes to its ports what is there.
+    pub fn rewrite(&mut self, at: (usize, usize)) -> Vec<Written> {
+        let Some(access) = self.codels.get(at.0).and_then(|all| all.get(at.1)) else { return Vec::new() };
+        let mut all = Vec::new();
+        for parameter in access.parameters.iter().filter(|p| p.direction != Direction::In) {
+            let Place::Port { own, .. } = parameter.place else { continue };
+            let Some(content) = self.ports.get_mut(at.0).and_then(|p| p.get_mut(own.0)) else { continue };
+            let value = content.one.get_or_insert_with(|| self.types.initial(&parameter.ty)).clone();
+            all.push(Written { port: own, name: None, value });
+        }
+        all
+    }
+
+    /// An attribute reads and writes the internal data: each of its parameters is one of the service.
+    pub fn attribute(&mut self, at: (usize, usize), service: &Service, locals: &mut Locals) {
+        let Some(access) = self.codels.get(at.0).and_then(|all| all.get(at.1)) else { return };
+        let Some(Some((_, ids))) = self.ids.get_mut(at.0) else { return };
+        for parameter in &access.parameters {
+            let number = service.parameters.iter().position(|p| *p.name == *parameter.name);
+            let (Place::Ids(way), Some(local)) = (&parameter.place, number.and_then(|n| locals.values.get_mut(n)))
             else {
                 continue;
             };
             if parameter.direction != Direction::In {
-                put(&self.types, ty, whole, steps, local.clone());
+                put(Some(ids), way, local.clone());
             }
             if parameter.direction != Direction::Out
-                && let Ok((way, _)) = self.types.way(ty, steps)
-                && let Some(found) = whole.part(&way)
+                && let Some(found) = ids.part(way)
             {
                 *local = found.clone();
             }
@@ -237,18 +201,8 @@ impl Store {
     }
 }
 
-fn put(types: &Types, ty: &Type, whole: &mut Datum, steps: &[Step], datum: Datum) {
-    if let Ok((way, _)) = types.way(ty, steps)
-        && let Some(place) = whole.part_mut(&way)
-    {
+fn put(whole: Option<&mut Datum>, way: &[usize], datum: Datum) {
+    if let Some(place) = whole.and_then(|whole| whole.part_mut(way)) {
         *place = datum;
-    }
-}
-
-/// The service that a codel belongs to; none for those of tasks.
-pub(crate) fn service_of<'c>(component: &'c Component, codel: &Codel) -> Option<&'c Service> {
-    match codel.owner {
-        Owner::Service(service) => component.services.get(service.0),
-        Owner::Task(_) => None,
     }
 }

@@ -3,11 +3,10 @@
 use lapwing_diag::SourceMap;
 use lapwing_genom::Model;
 use lapwing_genom::model::{Direction, Parameter};
-use lapwing_stream::{Duration, Time};
+use lapwing_stream::{Duration, Time, json};
 
 use crate::datum::Datum;
 use crate::happening::{Happening, What, Whose, line, place};
-use crate::record::json;
 use crate::types::Types;
 
 /// What is written to a port is shown up to so many bytes.
@@ -112,7 +111,7 @@ impl Teller<'_> {
 
     fn value(&self, ty: &lapwing_genom::model::Type, value: &Datum) -> String {
         let mut text = String::new();
-        json(&mut text, &self.types.to_value(ty, value));
+        json::value(&mut text, &self.types.to_value(ty, value));
         if text.len() > MOST_SHOWN {
             let end = (0..=MOST_SHOWN).rev().find(|at| text.is_char_boundary(*at)).unwrap_or(0);
             text.truncate(end);
@@ -129,11 +128,5 @@ pub fn stamp(time: Time) -> String {
 
 /// A duration in the unit that fits.
 fn shown(duration: Duration) -> String {
-    let ns = duration.nanos();
-    match ns {
-        0..1_000 => format!("{ns} ns"),
-        1_000..1_000_000 => format!("{} us", ns as f64 / 1e3),
-        1_000_000..1_000_000_000 => format!("{} ms", ns as f64 / 1e6),
-        _ => format!("{} s", ns as f64 / 1e9),
-    }
+    lapwing_genom::shown(u64::try_from(duration.nanos()).unwrap_or(0))
 }

@@ -1,18 +1,27 @@
 //! The types of a specification at work: first values, ways into values, whether a value fits, and how monitors and recordings see it.
 
+mod outline;
+mod size;
+
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use lapwing_genom::model::{Basic, Field, Label, Model, Step, Type, TypeDef, TypeDefKind, TypeId, Value as Default};
+use lapwing_genom::model::{
+    Basic, Component, Field, Label, Model, Step, Type, TypeDef, TypeDefKind, TypeId, Value as Default,
+};
 use lapwing_stream as stream;
 use lapwing_stream::Name;
 
 use crate::datum::Datum;
 
+use outline::Outline;
+use size::Sizes;
+
 /// Types inside types beyond this depth are not looked into.
 const MOST_DEPTH: usize = 64;
 
-/// A value of a fixed size has no more parts than this.
-pub const MOST_PARTS: u64 = 1 << 20;
+/// A value has no more parts than this at first.
+const MOST_PARTS: u64 = 1 << 20;
 
 /// The types that have names.
 #[derive(Clone, Debug, Default)]
@@ -32,7 +41,8 @@ pub(crate) enum Shape<'t> {
     Array(&'t Type, u64),
     Optional(&'t Type),
     Struct(&'t [Field]),
-    Union(&'t [(Vec<Label>, Field)]),
+    /// By the values of a type; a member for each of some of them.
+    Union(&'t Type, &'t [(Vec<Label>, Field)]),
     Enum(&'t [String]),
     Native,
     /// What cannot be a value here, in words.
@@ -40,8 +50,8 @@ pub(crate) enum Shape<'t> {
 }
 
 /// What a type comes to, for who carries values elsewhere.
-#[derive(Clone, PartialEq, Debug)]
-pub enum Layout {
+#[derive(Clone, Debug)]
+pub enum Layout<'t> {
     /// A number, a truth value or a character.
     Basic(Basic),
     /// A text, of a greatest length.
@@ -49,15 +59,15 @@ pub enum Layout {
     /// One of so many names.
     Enum(usize),
     /// So many elements.
-    Array(Type, u64),
+    Array(&'t Type, u64),
     /// Any number of elements, up to a greatest one.
-    Sequence(Type, Option<u64>),
+    Sequence(&'t Type, Option<u64>),
     /// Members.
-    Struct(Vec<Type>),
+    Struct(&'t [Field]),
     /// A value that may be missing.
-    Optional(Type),
+    Optional(&'t Type),
     /// For each member, the values that tell that it is there, none for all others, and its type.
-    Union(Vec<(Vec<i128>, Type)>),
+    Union(Vec<(Vec<i128>, &'t Type)>),
     /// What only codels know.
     Native,
     /// What has no values, in words.
@@ -66,89 +76,99 @@ pub enum Layout {
 
 impl Types {
     /// What a type comes to.
-    pub fn layout(&self, ty: &Type) -> Layout {
-        let mut bottom = ty;
-        for _ in 0..MOST_DEPTH {
-            match bottom {
-                Type::Basic(basic) => return Layout::Basic(*basic),
-                Type::Named(id) => match self.def(*id).map(|d| &d.kind) {
-                    Some(TypeDefKind::Alias(inner)) => bottom = inner,
-                    Some(TypeDefKind::Union(on, cases)) => return Layout::Union(self.cases(on, cases)),
-                    _ => break,
-                },
-                _ => break,
-            }
+    pub fn layout<'t>(&'t self, ty: &'t Type) -> Layout<'t> {
+        let ty = ty.behind(&self.defs);
+        if let Type::Basic(basic) = ty {
+            return Layout::Basic(*basic);
         }
-        match self.shape(bottom) {
+        match self.shape(ty) {
             Shape::Text(most) => Layout::Text(most),
             Shape::Enum(names) => Layout::Enum(names.len()),
-            Shape::Array(inner, length) => Layout::Array(inner.clone(), length),
-            Shape::Sequence(inner, most) => Layout::Sequence(inner.clone(), most),
-            Shape::Struct(fields) => Layout::Struct(fields.iter().map(|f| f.ty.clone()).collect()),
-            Shape::Optional(inner) => Layout::Optional(inner.clone()),
+            Shape::Array(inner, length) => Layout::Array(inner, length),
+            Shape::Sequence(inner, most) => Layout::Sequence(inner, most),
+            Shape::Struct(fields) => Layout::Struct(fields),
+            Shape::Optional(inner) => Layout::Optional(inner),
             Shape::Native => Layout::Native,
-            // A number with a fixed point is kept as a double.
-            Shape::Float => Layout::Basic(Basic::Double),
+            // Of numbers only those with a fixed point are left, which are kept as doubles.
+            Shape::Bool | Shape::Int(..) | Shape::Float => Layout::Basic(Basic::Double),
             Shape::Other(what) => Layout::Other(what),
-            Shape::Bool | Shape::Int(..) | Shape::Union(_) => Layout::Other("a type that is defined by itself"),
+            Shape::Union(on, cases) => {
+                Layout::Union(cases.iter().map(|(labels, field)| (self.tags(on, labels), &field.ty)).collect())
+            }
         }
     }
 
-    fn cases(&self, on: &Type, cases: &[(Vec<Label>, Field)]) -> Vec<(Vec<i128>, Type)> {
+    /// The values that tell that a member of a union is there; none for all that no other member has.
+    fn tags(&self, on: &Type, labels: &[Label]) -> Vec<i128> {
+        if labels.contains(&Label::Default) {
+            return Vec::new();
+        }
         let number = |label: &Label| match (label, self.shape(on)) {
             (Label::Int(value), _) => Some(*value),
             (Label::Name(name), Shape::Enum(names)) => names.iter().position(|n| n == name).map(|n| n as i128),
             _ => None,
         };
-        let one =
-            |(labels, field): &(Vec<Label>, Field)| (labels.iter().filter_map(number).collect(), field.ty.clone());
-        cases.iter().map(one).collect()
+        labels.iter().filter_map(number).collect()
+    }
+
+    /// A value that tells that a member of a union is there: its first, or the least that no other member has.
+    fn tag(&self, on: &Type, cases: &[(Vec<Label>, Field)], number: usize) -> i128 {
+        let own = cases.get(number).and_then(|(labels, _)| self.tags(on, labels).first().copied());
+        own.unwrap_or_else(|| {
+            let taken: BTreeSet<i128> = cases.iter().flat_map(|(labels, _)| self.tags(on, labels)).collect();
+            (0..).find(|tag| !taken.contains(tag)).unwrap_or(0)
+        })
     }
 
     /// The member of a union by its name: a value that tells that it is there, its number, and its type.
     pub(crate) fn case(&self, ty: &Type, name: &str) -> Result<(i128, usize, Type), String> {
-        let Layout::Union(cases) = self.layout(ty) else { return Err("it is no union".to_owned()) };
-        let Shape::Union(fields) = self.shape(ty) else { return Err("it is no union".to_owned()) };
-        let number = fields.iter().position(|(_, field)| field.name == name).ok_or_else(|| {
-            let names: Vec<&str> = fields.iter().map(|(_, field)| field.name.as_str()).collect();
+        let Shape::Union(on, cases) = self.shape(ty) else { return Err("it is no union".to_owned()) };
+        let found = cases.iter().enumerate().find(|(_, (_, field))| field.name == name);
+        let (number, (_, field)) = found.ok_or_else(|| {
+            let names: Vec<&str> = cases.iter().map(|(_, field)| field.name.as_str()).collect();
             format!("there is no `{name}` in it; there are {}", names.join(", "))
         })?;
-        let (tags, inner) = cases.get(number).cloned().ok_or("it is no union")?;
-        // The member for all other values is told by the least value that no other member has.
-        let is_taken = |tag: &i128| cases.iter().any(|(tags, _)| tags.contains(tag));
-        let tag = tags.first().copied().or_else(|| (0..=MOST_PARTS.into()).find(|tag| !is_taken(tag)));
-        Ok((tag.unwrap_or(0), number, inner))
+        Ok((self.tag(on, cases, number), number, field.ty.clone()))
     }
 
     /// Those of a model.
-    pub fn new(model: &Model) -> Types {
-        Types { defs: model.types.clone().into() }
+    ///
+    /// # Errors
+    ///
+    /// A first value of a type that a component needs would be too large to be kept, or would contain itself: which, in words.
+    pub fn new(model: &Model) -> Result<Types, String> {
+        let types = Types { defs: model.types.clone().into() };
+        let all: Vec<(&Component, Type)> =
+            model.components.iter().flat_map(|c| needed(c).into_iter().map(move |ty| (c, ty))).collect();
+        let mut sizes = Sizes::new(&types);
+        if let Some((component, ty)) = all.iter().find(|(_, ty)| !sizes.are_fair(ty)) {
+            return Err(format!(
+                "a value of `{}` of `{}` has more than {MOST_PARTS} parts, or contains itself, and cannot be kept",
+                types.type_name(ty),
+                component.name
+            ));
+        }
+        drop(sizes);
+        Ok(types)
     }
 
     pub(crate) fn shape<'t>(&'t self, ty: &'t Type) -> Shape<'t> {
-        let mut ty = ty;
-        for _ in 0..MOST_DEPTH {
-            return match ty {
-                Type::Basic(basic) => of_basic(*basic),
-                Type::Text(most) => Shape::Text(*most),
-                Type::Sequence(inner, most) => Shape::Sequence(inner, *most),
-                Type::Array(inner, length) => Shape::Array(inner, *length),
-                Type::Optional(inner) => Shape::Optional(inner),
-                Type::Fixed(_) => Shape::Float,
-                Type::Named(id) => match self.defs.get(id.0).map(|d| &d.kind) {
-                    Some(TypeDefKind::Alias(inner)) => {
-                        ty = inner;
-                        continue;
-                    }
-                    Some(TypeDefKind::Struct(fields) | TypeDefKind::Exception(fields)) => Shape::Struct(fields),
-                    Some(TypeDefKind::Union(_, cases)) => Shape::Union(cases),
-                    Some(TypeDefKind::Enum(names)) => Shape::Enum(names),
-                    Some(TypeDefKind::Native) => Shape::Native,
-                    Some(TypeDefKind::Forward) | None => Shape::Other("a type that is nowhere defined"),
-                },
-            };
+        match ty.behind(&self.defs) {
+            Type::Basic(basic) => of_basic(*basic),
+            Type::Text(most) => Shape::Text(*most),
+            Type::Sequence(inner, most) => Shape::Sequence(inner, *most),
+            Type::Array(inner, length) => Shape::Array(inner, *length),
+            Type::Optional(inner) => Shape::Optional(inner),
+            Type::Fixed(_) => Shape::Float,
+            Type::Named(id) => match self.def(*id).map(|d| &d.kind) {
+                Some(TypeDefKind::Struct(fields) | TypeDefKind::Exception(fields)) => Shape::Struct(fields),
+                Some(TypeDefKind::Union(on, cases)) => Shape::Union(on, cases),
+                Some(TypeDefKind::Enum(names)) => Shape::Enum(names),
+                Some(TypeDefKind::Native) => Shape::Native,
+                Some(TypeDefKind::Alias(_)) => Shape::Other("a type that is defined by itself"),
+                Some(TypeDefKind::Forward) | None => Shape::Other("a type that is nowhere defined"),
+            },
         }
-        Shape::Other("a type that is defined by itself")
     }
 
     /// The type by that number, where there is one.
@@ -156,25 +176,7 @@ impl Types {
         self.defs.get(id.0)
     }
 
-    /// Of how many parts a first value consists; a sequence is empty at first.
-    pub(crate) fn parts(&self, ty: &Type) -> u64 {
-        self.parts_below(ty, 0)
-    }
-
-    fn parts_below(&self, ty: &Type, depth: usize) -> u64 {
-        if depth > MOST_DEPTH {
-            return u64::MAX;
-        }
-        match self.shape(ty) {
-            Shape::Array(inner, length) => length.saturating_mul(self.parts_below(inner, depth + 1)).saturating_add(1),
-            Shape::Struct(fields) => {
-                fields.iter().fold(1, |sum: u64, field| sum.saturating_add(self.parts_below(&field.ty, depth + 1)))
-            }
-            _ => 1,
-        }
-    }
-
-    /// The first value of a type: zeros, empty texts and sequences, nothing. Call it only where [`Types::parts`] is within [`MOST_PARTS`].
+    /// The first value of a type that a component of the model needs: zeros, empty texts and sequences, nothing.
     pub fn initial(&self, ty: &Type) -> Datum {
         match self.shape(ty) {
             Shape::Bool => Datum::Bool(false),
@@ -188,12 +190,9 @@ impl Types {
             }
             Shape::Optional(_) => Datum::Optional(None),
             Shape::Struct(fields) => Datum::Struct(fields.iter().map(|field| self.initial(&field.ty)).collect()),
-            Shape::Union(cases) => {
-                let first = cases.first().map(|(labels, field)| (label(labels), field));
-                match first {
-                    Some((label, field)) => Datum::Union(label, Some((0, Box::new(self.initial(&field.ty))))),
-                    None => Datum::Union(0, None),
-                }
+            Shape::Union(on, cases) => {
+                let first = cases.first().map(|(_, field)| (0, Box::new(self.initial(&field.ty))));
+                Datum::Union(self.tag(on, cases, 0), first)
             }
             Shape::Native | Shape::Other(_) => Datum::Native(0),
         }
@@ -204,20 +203,20 @@ impl Types {
     /// # Errors
     ///
     /// What is not there, in words.
-    pub(crate) fn way(&self, ty: &Type, steps: &[Step]) -> Result<(Vec<usize>, Type), String> {
-        let (mut ty, mut way) = (ty.clone(), Vec::new());
+    pub(crate) fn way<'t>(&'t self, ty: &'t Type, steps: &[Step]) -> Result<(Vec<usize>, &'t Type), String> {
+        let (mut ty, mut way) = (ty, Vec::with_capacity(steps.len()));
         for step in steps {
-            let (number, next) = match (step, self.shape(&ty)) {
+            let (number, next) = match (step, self.shape(ty)) {
                 (Step::Member(name), Shape::Struct(fields)) => {
                     let found = fields.iter().enumerate().find(|(_, field)| field.name == *name);
                     let (number, field) = found.ok_or_else(|| {
                         let names: Vec<&str> = fields.iter().map(|field| field.name.as_str()).collect();
                         format!("there is no `{name}` in it; there are {}", names.join(", "))
                     })?;
-                    (number, field.ty.clone())
+                    (number, &field.ty)
                 }
                 (Step::Element(number), Shape::Array(inner, _) | Shape::Sequence(inner, _)) => {
-                    (usize::try_from(*number).unwrap_or(usize::MAX), inner.clone())
+                    (usize::try_from(*number).unwrap_or(usize::MAX), inner)
                 }
                 (Step::Member(name), _) => return Err(format!("what is there has no members, and so no `{name}`")),
                 (Step::Element(_), _) => return Err("what is there has no elements".to_owned()),
@@ -304,13 +303,14 @@ impl Types {
                         (step, self.shape(ty), &mut whole)
                     {
                         let wanted = usize::try_from(*n).unwrap_or(usize::MAX).saturating_add(1);
-                        if wanted as u64 <= MOST_PARTS && items.len() < wanted {
-                            items.resize(wanted, self.initial(inner));
+                        let one = self.initial(inner);
+                        if items.len() < wanted && (wanted as u64).saturating_mul(one.parts()) <= MOST_PARTS {
+                            items.resize(wanted, one);
                         }
                     }
                     let Ok((way, inner)) = self.way(ty, std::slice::from_ref(step)) else { continue };
                     if let Some(place) = whole.part_mut(&way) {
-                        *place = self.default(&inner, value);
+                        *place = self.default(inner, value);
                     }
                 }
                 whole
@@ -320,33 +320,7 @@ impl Types {
 
     /// The type of messages as monitors know types.
     pub(crate) fn stream_type(&self, ty: &Type) -> stream::Type {
-        self.stream_type_below(ty, 0)
-    }
-
-    fn stream_type_below(&self, ty: &Type, depth: usize) -> stream::Type {
-        if depth > MOST_DEPTH {
-            return stream::Type::Any;
-        }
-        match self.shape(ty) {
-            Shape::Bool => stream::Type::Bool,
-            Shape::Int(..) | Shape::Native => stream::Type::Num { float: false },
-            Shape::Float => stream::Type::Num { float: true },
-            Shape::Text(_) | Shape::Enum(_) => stream::Type::Str,
-            Shape::Array(inner, _) | Shape::Sequence(inner, _) => {
-                stream::Type::Array(Box::new(self.stream_type_below(inner, depth + 1)))
-            }
-            Shape::Optional(inner) => self.stream_type_below(inner, depth + 1),
-            Shape::Struct(fields) => {
-                let one = |field: &Field| stream::Field {
-                    name: field.name.as_str().into(),
-                    ty: self.stream_type_below(&field.ty, depth + 1),
-                };
-                let name = self.type_name(ty);
-                let fields = fields.iter().map(one).collect();
-                stream::Type::Message(Arc::new(stream::Schema { name, fields, constants: Vec::new() }))
-            }
-            Shape::Union(..) | Shape::Other(_) => stream::Type::Any,
-        }
+        Outline::new(self).ty(ty, 0)
     }
 
     /// What messages of a type are called: `nav/scan`.
@@ -376,7 +350,7 @@ impl Types {
                     named.map(|(f, part)| (Name::from(f.name.as_str()), self.to_value(&f.ty, part))).collect(),
                 )
             }
-            (Shape::Union(cases), Datum::Union(_, Some((number, value)))) => match cases.get(*number) {
+            (Shape::Union(_, cases), Datum::Union(_, Some((number, value)))) => match cases.get(*number) {
                 Some((_, field)) => Value::Record(vec![(field.name.as_str().into(), self.to_value(&field.ty, value))]),
                 None => Value::Missing,
             },
@@ -397,13 +371,12 @@ impl Types {
     }
 }
 
-/// A value for which a union has the member with these labels.
-fn label(labels: &[Label]) -> i128 {
-    let number = labels.iter().find_map(|label| match label {
-        Label::Int(value) => Some(*value),
-        _ => None,
-    });
-    number.unwrap_or(0)
+/// The types of which a component keeps values.
+fn needed(component: &Component) -> Vec<Type> {
+    let parameters = component.services.iter().flat_map(|s| s.parameters.iter().filter_map(|p| p.ty.clone()));
+    let locals = component.services.iter().flat_map(|s| s.locals.iter().map(|l| l.ty.clone()));
+    let ports = component.ports.iter().map(|p| p.ty.clone());
+    ports.chain(parameters).chain(locals).chain(component.ids.map(Type::Named)).collect()
 }
 
 fn of_basic(basic: Basic) -> Shape<'static> {

@@ -64,7 +64,7 @@ fn spec(text: &str) -> Spec {
 }
 
 fn signals(model: &Arc<Model>) -> Signals {
-    Signals::new(model, &Types::new(model))
+    Signals::new(model, &Types::new(model).unwrap())
 }
 
 fn system(model: &Model) -> System {
@@ -74,7 +74,7 @@ fn system(model: &Model) -> System {
 /// The model as text.
 fn text(model: &Arc<Model>, sources: &SourceMap, spec: &Spec) -> String {
     let system = system(model);
-    let requests = request::file(model, &Types::new(model), REQUESTS).unwrap();
+    let requests = request::file(model, &Types::new(model).unwrap(), REQUESTS).unwrap();
     let package = with_requests(bip(Input { system: &system, sources }), &system, model, &requests);
     let package = with_monitors(package, &system, model, spec, &signals(model), Style::Plain).unwrap();
     lapwing_bip::print(&package)

@@ -20,7 +20,7 @@ component C {
 #[test]
 fn values_are_given_by_name_and_by_place_and_defaults_fill_the_rest() {
     let (model, _) = model(SERVICES);
-    let types = Types::new(&model);
+    let types = Types::new(&model).unwrap();
     let read = |text: &str| request::request(&model, &types, text).map(|r| r.values).unwrap();
     let point = |x: f64, y: f64| Datum::Struct(vec![Datum::Float(x), Datum::Float(y)]);
     assert_eq!(read("C.Set"), [Datum::Int(4)]);
@@ -37,10 +37,11 @@ fn values_are_given_by_name_and_by_place_and_defaults_fill_the_rest() {
 #[test]
 fn a_wrong_request_is_told_with_its_place_and_what_would_be_right() {
     let (model, _) = model(SERVICES);
-    let types = Types::new(&model);
+    let types = Types::new(&model).unwrap();
     for (text, column, words) in [
         ("D.Go()", 1, "there is no component `D`; there are C"),
         ("C.Gone()", 1, "`C` has no service `Gone`; it has Go, Plain, Set"),
+        ("C.Plaiin()", 1, "`C` has no service `Plaiin`; it has Go, Plain, Set: did you mean `Plain`?"),
         ("C.Plain()", 1, "`Plain` needs a value for `n`"),
         ("C.Plain(n=1.5)", 1, "a whole number is wanted"),
         ("C.Plain(n=1, most=70000)", 1, "70000 is not between 0 and 65535"),
@@ -66,7 +67,7 @@ fn a_wrong_request_is_told_with_its_place_and_what_would_be_right() {
 #[test]
 fn a_file_gives_its_requests_in_the_order_of_their_times_and_all_its_errors() {
     let (model, _) = model(SERVICES);
-    let types = Types::new(&model);
+    let types = Types::new(&model).unwrap();
     let read = request::file(&model, &types, "# a mission\n@20ms C.Set(n=2)\n\n@1.5us C.Set(n=1)\nC.Set(n=0) # now\n")
         .unwrap();
     let found: Vec<(Time, &Datum)> = read.iter().map(|(time, request)| (*time, &request.values[0])).collect();

@@ -397,3 +397,20 @@ fn without_an_end_a_run_in_which_nothing_is_due_is_over() {
     assert!(matches!(happened.last().map(|h| &h.what), Some(What::Over)));
     assert_eq!(Duration::from_nanos(run.now().0), millis(1000));
 }
+
+#[test]
+fn a_service_is_found_whatever_it_and_the_others_are_called() {
+    // The control task has an edge `request_Foo_manage` for the one activity before it has that for requests of the function.
+    let (model, sources) = model(
+        "component C {
+           task t { period 10 ms; };
+           activity request_Foo() { task t; codel<start> S() yield ether wcet 1 ms; };
+           function Foo_manage() {};
+         };",
+    );
+    let mut run = start(&model, setup(100), Codels::new(), "@0s C.Foo_manage()\n@0s C.request_Foo()\n");
+    let said = lines(&mut run, &sources).join("\n");
+    for wanted in ["report #1 C.Foo_manage done", "report #2 C.request_Foo done"] {
+        assert!(said.contains(wanted), "{wanted}: {said}");
+    }
+}

@@ -223,8 +223,8 @@ fn rings(next: &[Vec<usize>]) -> Vec<usize> {
     ring
 }
 
-/// A time as people write it.
-pub(crate) fn shown(ns: u64) -> String {
+/// A time in nanoseconds as people write it: `1.5 ms`.
+pub fn shown(ns: u64) -> String {
     let units = [(1_000_000_000, "s"), (1_000_000, "ms"), (1_000, "us"), (1, "ns")];
     let (unit, name) = units.into_iter().find(|(unit, _)| ns >= *unit).unwrap_or((1, "ns"));
     let (whole, rest) = (ns / unit, ns % unit);

@@ -110,8 +110,8 @@ fn component_of<'m>(
     Ok(&mut components[number])
 }
 
-/// A number and a unit of time, in nanoseconds.
-fn duration(text: &str) -> Option<u64> {
+/// A number and a unit of time, `1.5ms`, in nanoseconds: exactly, so that no more digits are taken than there are nanoseconds.
+pub fn duration(text: &str) -> Option<u64> {
     let split = text.find(|c: char| !c.is_ascii_digit() && c != '.')?;
     let (number, unit) = text.split_at_checked(split)?;
     let digits: u32 = match unit {
@@ -122,7 +122,7 @@ fn duration(text: &str) -> Option<u64> {
         _ => return None,
     };
     let (whole, fraction) = number.split_once('.').unwrap_or((number, ""));
-    if whole.is_empty() || fraction.len() > digits as usize {
+    if number.is_empty() || number == "." || fraction.len() > digits as usize {
         return None;
     }
     let scale = 10_u64.checked_pow(digits)?;
@@ -131,7 +131,8 @@ fn duration(text: &str) -> Option<u64> {
     } else {
         fraction.parse::<u64>().ok()?.checked_mul(10_u64.pow(digits - fraction.len() as u32))?
     };
-    whole.parse::<u64>().ok()?.checked_mul(scale)?.checked_add(rest)
+    let whole = if whole.is_empty() { 0 } else { whole.parse::<u64>().ok()? };
+    whole.checked_mul(scale)?.checked_add(rest)
 }
 
 /// Links ports as a file says; those that it does not name are linked by their names.
@@ -247,6 +248,8 @@ mod tests {
             "ms",
             "1.5.2ms",
             "1min",
+            ".5us",
+            ".ms",
         ];
         assert_eq!(
             times.map(duration),
@@ -261,7 +264,9 @@ mod tests {
                 None,
                 None,
                 None,
-                None
+                None,
+                Some(500),
+                None,
             ]
         );
     }

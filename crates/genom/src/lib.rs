@@ -30,7 +30,9 @@ use std::path::{Path, PathBuf};
 
 use lapwing_diag::{Diagnostic, SourceMap, has_errors};
 
+pub use check::shown;
 pub use cpp::{Disk, Files, GENOM_VERSION};
+pub use extra::duration;
 pub use model::Model;
 
 /// How to read specifications.

@@ -378,25 +378,44 @@ pub enum Object {
     Unknown,
 }
 
-impl Component {
-    /// The task by that name.
-    pub fn task(&self, name: &str) -> Option<TaskId> {
-        self.tasks.iter().position(|t| t.name == name).map(TaskId)
+impl Model {
+    /// The port in which what a port shows is kept: of one that reads another, that one, else itself.
+    pub fn origin(&self, port: (usize, PortId)) -> (usize, PortId) {
+        self.links.iter().find(|link| link.reader == port).map_or(port, |link| link.writer)
     }
+}
 
+impl Type {
+    /// What it is behind its other names, among these types.
+    pub fn behind<'t>(&'t self, types: &'t [TypeDef]) -> &'t Type {
+        let mut ty = self;
+        // A name is declared after what it stands for, so that this ends; the bound only holds it to that.
+        for _ in 0..=types.len() {
+            let Type::Named(id) = ty else { return ty };
+            let Some(TypeDefKind::Alias(inner)) = types.get(id.0).map(|t| &t.kind) else { return ty };
+            ty = inner;
+        }
+        ty
+    }
+}
+
+impl Component {
     /// The service by that name.
     pub fn service(&self, name: &str) -> Option<ServiceId> {
         self.services.iter().position(|s| s.name == name).map(ServiceId)
     }
 
-    /// The port by that name.
-    pub fn port(&self, name: &str) -> Option<PortId> {
-        self.ports.iter().position(|p| p.name == name).map(PortId)
-    }
-
     /// The codels with their numbers.
     pub fn codels(&self) -> impl Iterator<Item = (CodelId, &Codel)> {
         self.codels.iter().enumerate().map(|(n, codel)| (CodelId(n), codel))
+    }
+
+    /// The service that something belongs to; none for what is a task's.
+    pub fn service_of(&self, owner: Owner) -> Option<&Service> {
+        match owner {
+            Owner::Service(service) => self.services.get(service.0),
+            Owner::Task(_) => None,
+        }
     }
 
     /// The task that runs a codel; none for those of the control task.

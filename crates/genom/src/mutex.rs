@@ -113,7 +113,7 @@ fn across(model: &Model, rules: Rules) -> Vec<(Which, Which)> {
         for (id, codel) in component.codels() {
             for parameter in &codel.parameters {
                 if let Object::Port(port) = parameter.object {
-                    users.push(((number, id), origin(model, (number, port)), parameter.direction == Direction::In));
+                    users.push(((number, id), model.origin((number, port)), parameter.direction == Direction::In));
                 }
             }
         }
@@ -130,9 +130,4 @@ fn across(model: &Model, rules: Rules) -> Vec<(Which, Which)> {
         }
     }
     pairs
-}
-
-/// The out-port that an in-port reads; the port itself where it reads none.
-fn origin(model: &Model, port: (usize, PortId)) -> (usize, PortId) {
-    model.links.iter().find(|link| link.reader == port).map_or(port, |link| link.writer)
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 
 use lapwing_check::checked::{self, EventSource};
-use lapwing_stream::{Time, Value};
+use lapwing_stream::{Time, Value, json};
 
 use crate::wants::field_name;
 
@@ -62,7 +62,7 @@ impl Recorder {
         let Some(Some(event)) = events.get(event) else { return };
         begin(line, time);
         line.push_str(",\"event\":");
-        text(line, &event.name);
+        json::text(line, &event.name);
         for (name, value) in event.fields.iter().zip(values) {
             name.iter().for_each(|name| pair(line, 0, name, value));
         }
@@ -73,7 +73,7 @@ impl Recorder {
     pub fn time(&mut self, time: Time) {
         begin(&mut self.line, time);
         self.line.push_str(",\"event\":");
-        text(&mut self.line, TIME);
+        json::text(&mut self.line, TIME);
         self.end();
     }
 
@@ -116,28 +116,7 @@ fn pair(line: &mut String, start: usize, name: &str, value: &Value) {
     if line.len() > start {
         line.push(',');
     }
-    text(line, name);
+    json::text(line, name);
     line.push(':');
-    match value {
-        Value::Str(s) => text(line, s),
-        Value::Bool(b) => line.push_str(if *b { "true" } else { "false" }),
-        // Beyond the standard, as the reader takes them.
-        Value::Num(x) if x.is_nan() => line.push_str("NaN"),
-        Value::Num(x) if x.is_infinite() => line.push_str(if *x > 0.0 { "Infinity" } else { "-Infinity" }),
-        Value::Num(x) => _ = write!(line, "{x:?}"),
-        _ => {}
-    }
-}
-
-/// A text as JSON has it.
-fn text(line: &mut String, text: &str) {
-    line.push('"');
-    for c in text.chars() {
-        match c {
-            '"' | '\\' => line.extend(['\\', c]),
-            c if c < ' ' => _ = write!(line, "\\u{:04x}", u32::from(c)),
-            c => line.push(c),
-        }
-    }
-    line.push('"');
+    json::value(line, value);
 }

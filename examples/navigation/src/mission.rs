@@ -1,6 +1,5 @@
 //! A mission: all components are set going, the robot is sent to a position, and monitors watch it.
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -15,26 +14,7 @@ use crate::field::Field;
 use crate::{drive, drivers, native, pom};
 
 /// What is asked of the components before the robot drives.
-const BEFORE: &str = "
-@0s   RobotDriver.SetLimits()
-@0s   POM.SetNoise()
-@0s   Navigation.SetTolerance(0.3)
-@0s   PotentialField.SetGains()
-@0s   SafetyPilot.SetDistance()
-@0s   LaserDriver.Connect()
-@0s   GPSDriver.Connect()
-@0s   IMUDriver.Connect()
-@0s   RobotDriver.Connect()
-@0.2s LaserDriver.Acquire()
-@0.2s GPSDriver.Measure()
-@0.2s IMUDriver.Measure()
-@0.2s RobotDriver.Drive()
-@0.2s POM.Gather()
-@0.2s POM.Estimate()
-@0.5s PotentialField.TrackTarget()
-@0.5s SafetyPilot.StopIfObstacle()
-@1s   Navigation.GotoPosition(x=7, y=0)
-";
+const BEFORE: &str = include_str!("../mission.txt");
 
 /// A mission.
 #[derive(Clone, Debug)]
@@ -129,7 +109,7 @@ impl Mission {
 
     /// What is requested, and when.
     fn plan(&self, run: &mut Run) -> Result<(), String> {
-        let delay = self.delay.map(|(delay, from)| format!("@{from}s LaserDriver.SetDelay(delay={delay:?})\n"));
+        let delay = self.delay.map(|(delay, from)| format!("@{from:.9}s LaserDriver.SetDelay(delay={delay:?})\n"));
         let text = format!("{BEFORE}{}", delay.unwrap_or_default());
         let requests = request::file(run.model(), run.types(), &text)
             .map_err(|errors| errors.iter().map(|e| e.to_string()).collect::<Vec<_>>().join("\n"))?;
@@ -145,7 +125,7 @@ impl Mission {
         field: &Field,
         mut went: Went,
     ) -> Result<Went, String> {
-        let mut recorder = self.record.as_deref().map(|path| recorder(path, watch)).transpose()?;
+        let mut recorder = self.record.as_deref().map(|path| Recorder::create(path, watch.signals())).transpose()?;
         let mut stops = false;
         let goto = run.plain_request("Navigation.Stop")?.component;
         while let Some(happening) = run.advance() {
@@ -187,13 +167,5 @@ fn noteworthy(teller: &Teller<'_>, happening: &Happening, stops: &mut bool) -> O
         }
         What::Written { .. } if *stops => all.line(happening),
         _ => None,
-    }
-}
-
-fn recorder(path: &Path, watch: &Watch) -> Result<Recorder<File>, String> {
-    let file = File::create(path).map_err(|e| format!("{}: {e}", path.display()))?;
-    match path.extension().is_some_and(|e| e == "ndjson") {
-        true => Ok(Recorder::lines(file, watch.signals())),
-        false => Recorder::mcap(file, watch.signals()).map_err(|e| e.to_string()),
     }
 }

@@ -35,7 +35,8 @@ impl Bound {
     pub fn eval<A: Address>(&self, at: A, cx: &mut Context<'_>) -> Eval<i128> {
         Ok(match self {
             Bound::Exact(value) => *value,
-            Bound::Int(value, unit) => i128::from(value.eval(at, cx)?) * i128::from(*unit) * FINE,
+            // Two numbers of 64 bits have a product of 127; what is beyond that is beyond all time.
+            Bound::Int(value, unit) => (i128::from(value.eval(at, cx)?) * i128::from(*unit)).saturating_mul(FINE),
             Bound::Float(value, unit) => rounded(value.eval(at, cx)? * *unit as f64),
         })
     }
@@ -132,7 +133,11 @@ fn clamp(at: i128) -> i64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{Base, Memory};
     use super::*;
+    use crate::ast::TimeUnit;
+    use crate::host::Host;
+    use crate::value::Value;
 
     fn window(clock: Clock, cmp: Cmp, bound: i128) -> String {
         clock.window(cmp, bound).to_string()
@@ -186,5 +191,27 @@ mod tests {
         let far = i128::from(i64::MAX) * 1_000_000_000 * FINE;
         assert!(clock.window(Cmp::LessEqual, far).holds(i64::MAX - 2));
         assert!(clock.window(Cmp::GreaterEqual, far).first >= i64::MAX - 2);
+    }
+
+    struct Nobody;
+
+    impl Host for Nobody {
+        fn call(&mut self, _: u32, _: &mut [Value], _: Option<u32>) -> Result<Value, String> {
+            Err("nobody is there".to_owned())
+        }
+    }
+
+    #[test]
+    fn bounds_that_no_number_holds() {
+        let (mut memory, mut host) = (Memory::default(), Nobody);
+        let mut cx = Context { memory: &mut memory, host: &mut host, atom: None, now: 0 };
+        let mut days =
+            |number| Bound::Int(Int::Const(number), TimeUnit::Day.nanoseconds()).eval(Base::default(), &mut cx);
+        assert_eq!(days(2), Ok(2 * 86_400_000_000_000 * FINE));
+        let (far, past) = (days(i64::MAX).unwrap(), days(i64::MIN).unwrap());
+        let clock = Clock::default();
+        assert!(clock.window(Cmp::LessEqual, far).holds(i64::MAX - 2));
+        assert!(clock.window(Cmp::GreaterEqual, past).holds(0));
+        assert!(!clock.window(Cmp::GreaterEqual, far).holds(0) && !clock.window(Cmp::LessEqual, past).holds(0));
     }
 }

@@ -186,16 +186,22 @@ fn bip(arguments: &BipArguments, loaded: Loaded) -> Result<String, Complaint> {
     let system = system(&loaded, &arguments.model, arguments.runtime, arguments.exceptions)?;
     let mut package = emit::bip(Input { system: &system, sources: &loaded.sources });
     let model = Arc::new(loaded.model);
-    let types = Types::new(&model);
     let (_, style) = styles(arguments.model.reading.color);
+    if arguments.requests.is_none() && arguments.spec.is_empty() {
+        // The automata alone know no types.
+        return Ok(lapwing_bip::print(&package));
+    }
+    let types = Types::new(&model).map_err(Complaint::new)?;
     if let Some(path) = &arguments.requests {
         let requests = run::requests_of(path, &model, &types)?;
         package = model::with_requests(package, &system, &model, &requests);
     }
-    let signals = Signals::new(&model, &types);
-    for spec in &specs(&arguments.spec, &[], style)? {
-        let with = model::with_monitors(package, &system, &model, spec, &signals, style);
-        package = with.map_err(|wrong| Complaint::rendered(wrong.0))?;
+    if !arguments.spec.is_empty() {
+        let signals = Signals::new(&model, &types);
+        for spec in &specs(&arguments.spec, &[], style)? {
+            let with = model::with_monitors(package, &system, &model, spec, &signals, style);
+            package = with.map_err(|wrong| Complaint::rendered(wrong.0))?;
+        }
     }
     Ok(lapwing_bip::print(&package))
 }

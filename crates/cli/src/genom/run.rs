@@ -8,7 +8,7 @@ use std::thread;
 
 use clap::Args;
 use lapwing_components::{
-    Client, Codels, Failure, Recorder, Run, Setup, Signals, Teller, Types, Watch, What, place, request, stamp,
+    Client, Codels, Failure, Recorder, Run, Setup, Teller, Types, Watch, What, place, request, stamp,
 };
 use lapwing_diag::{SourceMap, Style};
 use lapwing_genom::mutex::Rules;
@@ -53,10 +53,10 @@ pub struct RunArguments {
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
     /// How long to run: 10s, 500ms; 10s where nothing is said, and in real time without end
-    #[arg(long, value_name = "TIME", value_parser = duration)]
+    #[arg(long, value_name = "TIME", value_parser = crate::args::duration)]
     pub duration: Option<Duration>,
     /// After how long a codel that does not return counts as hung: in real time, and with --isolate always
-    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "5s")]
+    #[arg(long, value_name = "TIME", value_parser = crate::args::duration, default_value = "5s")]
     pub patience: Duration,
     /// Tell of every codel and of everything that is written to a port
     #[arg(long)]
@@ -64,11 +64,6 @@ pub struct RunArguments {
     /// How to report what became of the properties
     #[arg(long, value_name = "FORMAT", default_value = "text")]
     pub format: crate::args::Format,
-}
-
-fn duration(text: &str) -> Result<Duration, String> {
-    let found = request::nanoseconds(text).map(Duration::from_nanos);
-    found.ok_or_else(|| format!("`{text}` is no time: write 10s, 500ms or 300us"))
 }
 
 /// Runs the command.
@@ -97,7 +92,8 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Complaint> {
     if let Some(path) = &arguments.requests {
         ask(&mut run, path, arguments.real_time)?;
     }
-    let recorder = arguments.record.as_deref().map(|path| recorder(path, watch.signals())).transpose()?;
+    let recorder = arguments.record.as_deref().map(|path| Recorder::create(path, watch.signals()));
+    let recorder = recorder.transpose().map_err(Complaint::new)?;
     if recorder.is_none() {
         watch.skip_unread();
     }
@@ -183,15 +179,6 @@ fn listen(client: &Client, model: &Model, types: &Types) {
             Ok(None) => {}
             Err(error) => say(&format!("error: standard input:{error}\n")),
         }
-    }
-}
-
-fn recorder(path: &Path, signals: &Signals) -> Result<Recorder<File>, Complaint> {
-    let cannot = |e: &dyn std::fmt::Display| Complaint::new(format!("{} cannot be written: {e}", path.display()));
-    let file = File::create(path).map_err(|e| cannot(&e))?;
-    match path.extension().is_some_and(|e| e == "ndjson" || e == "jsonl") {
-        true => Ok(Recorder::lines(file, signals)),
-        false => Recorder::mcap(file, signals).map_err(|e| cannot(&e)),
     }
 }
 

@@ -1,14 +1,15 @@
 //! A client as an atom: it makes the requests of a list, each at its time, and nobody else makes any.
 
 use lapwing_bip::ast::{
-    AtomType, BinaryOp, Clock, Expr as Code, Initial, Name, Package, TimeUnit, Transition, Urgency,
+    AtomType, BinaryOp, Clock, DeclKind, Expr as Code, Initial, Name, Package, TimeUnit, Transition, Urgency,
 };
 use lapwing_genom::Model;
 use lapwing_genom::automata::{Class, System};
-use lapwing_genom::emit::bip_name;
+use lapwing_genom::emit::parts;
+use lapwing_genom::model::ServiceId;
 
-use super::guard::{noted, path, port};
-use super::{Draft, connector_of};
+use super::Draft;
+use super::guard::{exported, path};
 use crate::request::Timed;
 
 /// The atom.
@@ -18,14 +19,14 @@ const CLIENT: &str = "client";
 pub fn with_requests(package: Package, system: &System, model: &Model, requests: &[Timed]) -> Package {
     let mut draft = Draft::new(package, system);
     let place = |number: usize| Name::from(format!("after_{number}"));
-    let mut wanted: Vec<(String, usize, String)> = Vec::new();
+    let mut wanted: Vec<(String, usize, ServiceId)> = Vec::new();
     let mut transitions = Vec::new();
     for (number, (time, request)) in requests.iter().enumerate() {
         let Some(component) = model.components.get(request.component) else { continue };
         let Some(service) = component.services.get(request.service.0) else { continue };
         let port = format!("ask_{}_{}", component.name, service.name);
         if !wanted.iter().any(|(known, ..)| *known == port) {
-            wanted.push((port.clone(), request.component, service.name.clone()));
+            wanted.push((port.clone(), request.component, request.service));
         }
         let is_time = Code::binary(BinaryOp::GreaterEqual, Code::path("t"), Code::int(time.0));
         transitions.push(Transition {
@@ -40,23 +41,23 @@ pub fn with_requests(package: Package, system: &System, model: &Model, requests:
     let atom = AtomType {
         name: format!("{CLIENT}_type").into(),
         clocks: vec![Clock { name: "t".into(), unit: TimeUnit::Nanosecond }],
-        ports: wanted.iter().map(|(name, ..)| port(name)).collect(),
+        ports: wanted.iter().map(|(name, ..)| exported(name)).collect(),
         places: (0..=requests.len()).map(place).collect(),
         initial: Initial { places: vec![place(0)], ..Initial::default() },
         transitions,
         ..AtomType::default()
     };
-    draft.declare(noted(atom, "The client: it makes the requests of a mission."));
+    draft.declare(parts::noted(DeclKind::Atom(atom), "The client: it makes the requests of a mission."));
     draft.component(&format!("{CLIENT}_type"), CLIENT);
     let open: Vec<String> = system
         .automata
         .iter()
-        .flat_map(|a| a.edges.iter().filter(|e| e.class == Class::Request).map(|e| connector_of(a, &e.name)))
+        .flat_map(|a| a.edges.iter().filter(|e| e.class == Class::Request).map(|e| parts::connector(a, &e.name)))
         .collect();
     for (port, component, service) in wanted {
         let Some((_, control)) = draft.control(component) else { continue };
-        let edge = format!("request_{service}");
-        let (name, own) = (connector_of(control, &edge), path(&bip_name(&control.name), &bip_name(&edge)));
+        let Some(edge) = control.request(service) else { continue };
+        let (name, own) = (parts::connector(control, &edge.name), parts::port_path(control, &edge.name));
         let ty = draft.rendezvous(2);
         if let Some(root) = draft.root()
             && let Some(connector) = root.connectors.iter_mut().find(|c| c.name.text == name)

@@ -4,18 +4,19 @@ use std::collections::BTreeMap;
 
 use lapwing::Spec;
 use lapwing_bip::ast::{
-    AtomPort, AtomType, BinaryOp, Clock, Data, DeclKind, Expr as Code, Initial, Name, Package, Path, Port, Stmt,
-    TimeUnit, Transition, Urgency,
+    AtomPort, AtomType, BinaryOp, Clock, Data, DeclKind, Expr as Code, Initial, Name, Package, Path, Stmt, TimeUnit,
+    Transition, Urgency,
 };
 use lapwing_check::checked::{self, Action, Body, EventSource, Property};
 use lapwing_diag::{Code as Error, Diagnostic, Style, render};
 use lapwing_genom::Model;
 use lapwing_genom::automata::{Class, System};
-use lapwing_genom::emit::bip_name;
+use lapwing_genom::emit::{bip_name, parts};
+use lapwing_genom::model::ServiceId;
 
+use super::Draft;
 use super::formula::{Beyond, Reader, Shape, not, set};
 use super::letters::{Letter, letters};
-use super::{Draft, connector_of};
 use crate::request::service_of;
 use crate::signals::Signals;
 use crate::watch::Mismatch;
@@ -80,11 +81,11 @@ fn monitor(draft: &mut Draft<'_>, model: &Model, spec: &checked::Spec, property:
             }
             let port = atom.port(all);
             draft.watch(number, place, path(&atom.name, &port));
-            watched.push(connector_of(automaton, &edge.name));
+            watched.push(parts::connector(automaton, &edge.name));
         }
     }
-    draft.declare(noted(
-        atom.declaration(),
+    draft.declare(parts::noted(
+        DeclKind::Atom(atom.declaration()),
         &format!("The monitor of `{}`: {}", property.name, one_line(&property.text)),
     ));
     draft.component(&format!("{}_type", atom.name), &atom.name);
@@ -94,8 +95,7 @@ fn monitor(draft: &mut Draft<'_>, model: &Model, spec: &checked::Spec, property:
     for (action, at) in reactions(spec, property).into_iter().zip(1_usize..) {
         let Action::Request(wanted) = action else { continue };
         let (component, service) = service_of(model, wanted).map_err(|why| beyond(&format!("such service: {why}")))?;
-        let service = model.components[component].services[service.0].name.clone();
-        ports.push(debt(draft, &format!("{name}_debt_{at}"), component, &service));
+        ports.push(debt(draft, &format!("{name}_debt_{at}"), component, service));
     }
     draft.connect(&name, ports, format!("`{}` is violated", property.name));
     if lapses {
@@ -119,7 +119,7 @@ fn monitor(draft: &mut Draft<'_>, model: &Model, spec: &checked::Spec, property:
 }
 
 /// Adds an atom that keeps a request until the control task takes it. Gives the port by which it is told.
-fn debt(draft: &mut Draft<'_>, name: &str, component: usize, service: &str) -> Path {
+fn debt(draft: &mut Draft<'_>, name: &str, component: usize, service: ServiceId) -> Path {
     let owed = || Code::path("owed");
     let step = |port: &str, guard: Option<Code>, urgency, by: i64| Transition {
         port: Some(port.into()),
@@ -134,7 +134,7 @@ fn debt(draft: &mut Draft<'_>, name: &str, component: usize, service: &str) -> P
     let atom = AtomType {
         name: format!("{name}_type").into(),
         data: vec![data("int", "owed")],
-        ports: vec![port("owe"), port("ask")],
+        ports: ["owe", "ask"].map(exported).to_vec(),
         places: vec!["idle".into()],
         initial: Initial {
             places: vec!["idle".into()],
@@ -144,17 +144,18 @@ fn debt(draft: &mut Draft<'_>, name: &str, component: usize, service: &str) -> P
         transitions: vec![step("owe", None, None, 1), step("ask", Some(is_owed), Some(Urgency::Eager), -1)],
         ..AtomType::default()
     };
-    draft.declare(noted(atom, "Requests that a violation asks for, until they can be made."));
+    draft.declare(parts::noted(DeclKind::Atom(atom), "Requests that a violation asks for, until they can be made."));
     draft.component(&format!("{name}_type"), name);
-    if let Some((_, control)) = draft.control(component) {
-        let wanted = format!("request_{service}");
+    if let Some((_, control)) = draft.control(component)
+        && let Some(wanted) = control.request(service)
+    {
         let others: Vec<String> = control
             .edges
             .iter()
             .filter(|e| e.class == Class::Request)
-            .map(|e| connector_of(control, &e.name))
+            .map(|e| parts::connector(control, &e.name))
             .collect();
-        let ports = vec![path(&bip_name(&control.name), &bip_name(&wanted)), path(name, "ask")];
+        let ports = vec![parts::port_path(control, &wanted.name), path(name, "ask")];
         let connector = format!("{name}_request");
         draft.connect(&connector, ports, "The request is made, before those of others.".to_owned());
         for (number, low) in others.iter().enumerate() {
@@ -240,8 +241,8 @@ impl Monitor<'_> {
         let counts = self.reader.running.iter().map(|(_, name)| data("int", name));
         let before = self.reader.before.iter().map(|(name, _)| data("bool", name));
         let own = OWN.map(|name| data("bool", name));
-        let mut ports: Vec<AtomPort> = self.ports.values().map(|name| port(name)).collect();
-        ports.push(port("report"));
+        let mut ports: Vec<AtomPort> = self.ports.values().map(|name| exported(name)).collect();
+        ports.push(exported("report"));
         let mut transitions: Vec<Transition> =
             self.ports.iter().map(|(letters, port)| transition(port, None, None, self.heard(letters))).collect();
         let eager = Some(Urgency::Eager);
@@ -249,12 +250,12 @@ impl Monitor<'_> {
         let is_news = Code::binary(BinaryOp::And, not(Code::path("linked")), self.violated());
         transitions.push(transition("report", Some(is_news), eager, over()));
         if self.links() {
-            ports.push(port("again"));
+            ports.push(exported("again"));
             let is_old = Code::binary(BinaryOp::And, Code::path("linked"), self.violated());
             transitions.push(transition("again", Some(is_old), eager, over()));
         }
         if self.lapses() {
-            ports.push(port("lapse"));
+            ports.push(exported("lapse"));
             let passed = Code::binary(BinaryOp::GreaterEqual, Code::path("y"), Code::int(1));
             let guard = Code::binary(BinaryOp::And, Code::path("fresh"), passed);
             transitions.push(transition("lapse", Some(guard), eager, vec![set("fresh", false)]));
@@ -381,17 +382,13 @@ pub(super) fn data(ty: &str, name: &str) -> Data {
     Data { notes: Vec::new(), is_exported: false, ty: ty.into(), name: name.into(), value: None }
 }
 
-pub(super) fn port(name: &str) -> AtomPort {
-    let port = Port { ty: "Basic".into(), name: name.into(), args: Vec::new() };
-    AtomPort { notes: Vec::new(), is_exported: true, ports: vec![port], merged: None }
+/// A port that others join.
+pub(super) fn exported(name: &str) -> AtomPort {
+    parts::port(name, true, Vec::new())
 }
 
 pub(super) fn path(component: &str, port: &str) -> Path {
     Path { parts: vec![Name::from(component), Name::from(port)] }
-}
-
-pub(super) fn noted(atom: AtomType, note: &str) -> lapwing_bip::ast::Decl {
-    lapwing_bip::ast::Decl { notes: vec![note.to_owned()], ..DeclKind::Atom(atom).into() }
 }
 
 /// A property's name as BIP has names.

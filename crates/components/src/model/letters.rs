@@ -1,6 +1,6 @@
 //! What the edges of the automata are to a specification: the messages of which a run would tell there, in their order.
 
-use lapwing_genom::automata::{Automaton, Class, ClockGuard, Edge, LocId, Part, System};
+use lapwing_genom::automata::{Automaton, ClockGuard, ETHER, Edge, Part, System};
 use lapwing_genom::model::{CodelId, Direction, Model, Object};
 
 /// A message that an edge comes to.
@@ -11,9 +11,6 @@ pub(super) enum Letter {
     /// An instance more, or less, of an activity runs: what comes on its topic `running` depends on how many there were.
     Runs(String, bool),
 }
-
-/// The place where every activity begins and ends.
-const ETHER: LocId = LocId(0);
 
 /// What an edge comes to.
 pub(super) fn letters(model: &Model, system: &System, automaton: usize, edge: &Edge) -> Vec<Letter> {
@@ -39,9 +36,9 @@ pub(super) fn letters(model: &Model, system: &System, automaton: usize, edge: &E
             all.push(Letter::Runs(topic("running"), begins));
             all.push(Letter::Message(topic(if begins { "start" } else { "end" })));
         }
-        Part::Control if edge.class == Class::Request => {
-            if let Some(service) = edge.name.strip_prefix("request_") {
-                all.push(Letter::Message(format!("/{}/{service}/request", component.name)));
+        Part::Control => {
+            if let Some(service) = edge.request.and_then(|id| component.services.get(id.0)) {
+                all.push(Letter::Message(format!("/{}/{}/request", component.name, service.name)));
             }
         }
         _ => {}

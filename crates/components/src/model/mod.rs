@@ -13,12 +13,11 @@ mod letters;
 use std::collections::{BTreeMap, BTreeSet};
 
 use lapwing_bip::ast::{
-    Component, CompoundType, Connector, ConnectorType, Decl, DeclKind, Name, Package, Path, PortExpr, PortExprKind,
-    Priority, Side,
+    Component, CompoundType, Connector, Decl, DeclKind, Package, Path, PortExpr, PortExprKind, Priority, Side,
 };
 use lapwing_diag::Span;
 use lapwing_genom::automata::{Automaton, Part, System};
-use lapwing_genom::emit::bip_name;
+use lapwing_genom::emit::{bip_name, parts};
 
 pub use client::with_requests;
 pub use guard::with_monitors;
@@ -65,43 +64,33 @@ impl<'d> Draft<'d> {
 
     /// A connector type in which all take part or none.
     fn rendezvous(&mut self, size: usize) -> String {
-        let name = format!("Rendezvous{size}");
-        if self.shapes.insert(name.clone()) {
-            let define = (1..=size).map(|n| PortExpr::synchron(format!("p{n}"))).collect();
-            self.shape(&name, size, define);
-        }
+        let name = parts::rendezvous_name(size);
+        self.shape(&name, || parts::rendezvous(size));
         name
     }
 
     /// A connector type in which the first `size` take part together, and others join them where they can.
     fn broadcast(&mut self, size: usize, others: usize) -> String {
         let name = format!("Watched{size}_{others}");
-        if self.shapes.insert(name.clone()) {
-            let group: Vec<PortExpr> = (1..=size).map(|n| PortExpr::synchron(format!("p{n}"))).collect();
+        self.shape(&name, || {
+            let one = |number| PortExpr::synchron(parts::port_of(number));
             let first = match size {
-                1 => PortExpr::trigger("p1"),
-                _ => PortExpr { kind: PortExprKind::Group(group), is_trigger: true },
+                1 => PortExpr::trigger(parts::port_of(1)),
+                _ => PortExpr { kind: PortExprKind::Group((1..=size).map(one).collect()), is_trigger: true },
             };
-            let joining = (size + 1..=size + others).map(|n| PortExpr::synchron(format!("p{n}")));
-            self.shape(&name, size + others, std::iter::once(first).chain(joining).collect());
-        }
+            let joining = (size + 1..=size + others).map(one);
+            parts::connector_type(&name, size + others, std::iter::once(first).chain(joining).collect())
+        });
         name
     }
 
-    fn shape(&mut self, name: &str, size: usize, define: Vec<PortExpr>) {
-        let ports = (1..=size).map(|n| (Path::from("Basic"), Name::from(format!("p{n}")))).collect();
-        let ty = ConnectorType {
-            name: name.into(),
-            ports,
-            data: Vec::new(),
-            export: None,
-            define,
-            resume: None,
-            interactions: Vec::new(),
-        };
-        // Types stand before the atoms, so that the text reads from the top.
-        let at = self.package.decls.iter().position(|d| matches!(d.kind, DeclKind::Atom(_)));
-        self.package.decls.insert(at.unwrap_or(self.package.decls.len()), DeclKind::Connector(ty).into());
+    /// Declares a connector type, unless it is there.
+    fn shape(&mut self, name: &str, declared: impl FnOnce() -> Decl) {
+        if self.shapes.insert(name.to_owned()) {
+            // Types stand before the atoms, so that the text reads from the top.
+            let at = self.package.decls.iter().position(|d| matches!(d.kind, DeclKind::Atom(_)));
+            self.package.decls.insert(at.unwrap_or(self.package.decls.len()), declared());
+        }
     }
 
     fn connect(&mut self, name: &str, ports: Vec<Path>, note: String) {
@@ -138,9 +127,9 @@ impl<'d> Draft<'d> {
         for ((automaton, edge), ports) in watchers {
             let Some(declared) = self.system.automata.get(automaton) else { continue };
             let Some(edge) = declared.edges.get(edge) else { continue };
-            let name = connector_of(declared, &edge.name);
+            let name = parts::connector(declared, &edge.name);
             let known = self.root().and_then(|root| root.connectors.iter().position(|c| c.name.text == name));
-            let own = Path { parts: vec![bip_name(&declared.name).into(), bip_name(&edge.name).into()] };
+            let own = parts::port_path(declared, &edge.name);
             if known.is_none() {
                 self.export(declared, &edge.name);
             }
@@ -169,7 +158,7 @@ impl<'d> Draft<'d> {
 
     /// The port of an edge is seen from outside.
     fn export(&mut self, automaton: &Automaton, edge: &str) {
-        let (ty, wanted) = (format!("{}_type", automaton.name), bip_name(edge));
+        let (ty, wanted) = (parts::atom_type(automaton), bip_name(edge));
         let atoms = self.package.decls.iter_mut().filter_map(|decl| match &mut decl.kind {
             DeclKind::Atom(atom) if atom.name.text == ty => Some(atom),
             _ => None,
@@ -179,9 +168,4 @@ impl<'d> Draft<'d> {
             port.is_exported = true;
         }
     }
-}
-
-/// The connector of an edge that does something to others, or is a request.
-fn connector_of(automaton: &Automaton, edge: &str) -> String {
-    format!("{}_{edge}", automaton.name)
 }

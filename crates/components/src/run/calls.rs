@@ -2,14 +2,16 @@
 
 use std::cmp::Reverse;
 
-use lapwing_genom::automata::{self, Part};
+use lapwing_genom::automata::Part;
 use lapwing_genom::model::{Codel as Declared, CodelId, Role};
 use lapwing_stream::{Duration, Time};
 
+use super::known::Known;
 use super::workers::{Lane, Returned, between, guarded};
-use super::{Flight, Run};
-use crate::codel::{Answer, Call, Held, Trouble, TroubleKind};
+use super::{Done, Flight, Run};
+use crate::codel::{Answer, Call, Trouble, TroubleKind};
 use crate::happening::{Failure, What};
+use crate::store::Written;
 
 /// How long a codel takes for which nobody has said anything.
 const UNKNOWN_TIME: i64 = 1_000;
@@ -21,51 +23,46 @@ impl Run {
         self.tell(What::Called { component, codel });
         let is_logical = self.workers.is_none();
         let at = (component, codel.0);
-        let locals = match self.cell_of_automaton.get(&automaton) {
-            Some(cell) => self.serving.get(*cell).and_then(|s| s.pending.as_ref()),
+        let model = self.model.clone();
+        let Some(declared) = model.components.get(component).and_then(|c| c.codels.get(codel.0)) else { return };
+        let Some(written) = self.known(at).and_then(|known| known.written.clone()) else {
+            let answer = self.invent(at);
+            return self.takes_off(automaton, codel, declared, None, answer);
+        };
+        let locals = match self.cell_of_automaton.get(automaton).copied().flatten() {
+            Some(cell) => self.serving.get(cell).and_then(|s| s.pending.as_ref()),
             None => self.controls.get(component).and_then(|c| c.current.as_ref()),
         };
         let call = self.store.prepare(at, locals.map(|p| &p.locals), self.now, is_logical);
-        let model = self.model.clone();
-        let declared = model.components.get(component).and_then(|c| c.codels.get(codel.0));
-        let (Some(call), Some(declared)) = (call, declared) else { return };
-        let written = self.written.get(component).and_then(|all| all.get(codel.0)).cloned().flatten();
-        match (written, is_logical) {
-            (Some(written), true) => {
-                let mut call = call;
-                let answer = guarded(&*written, &mut call);
-                match answer {
-                    Ok(answer) => self.takes_off(automaton, codel, declared, call, answer),
-                    Err(trouble) => self.fail(component, codel, trouble),
-                }
-            }
-            (Some(written), false) => {
-                self.note(automaton, Flight { codel, began: self.now, held: None });
-                let lane = self.lane(automaton, component, declared);
-                let is_given =
-                    self.workers.as_mut().is_some_and(|workers| workers.give(lane, automaton, call, written));
-                if !is_given {
-                    self.fail(component, codel, Trouble::wrong("there is no thread to run it on"));
-                }
-            }
-            (None, _) => {
-                let mut call = call;
-                let answer = self.invent(at, &mut call);
-                self.takes_off(automaton, codel, declared, call, answer);
-            }
+        let Some(mut call) = call else { return };
+        if is_logical {
+            return match guarded(&*written, &mut call) {
+                Ok(answer) => self.takes_off(automaton, codel, declared, Some(call), answer),
+                Err(trouble) => self.fail(component, codel, trouble),
+            };
+        }
+        self.note(automaton, Flight { codel, began: self.now, held: None });
+        let lane = self.lane(automaton, component, declared);
+        let is_given = self.workers.as_mut().is_some_and(|workers| workers.give(lane, automaton, call, written));
+        if !is_given {
+            self.fail(component, codel, Trouble::wrong("there is no thread to run it on"));
         }
     }
 
+    fn known(&self, at: (usize, usize)) -> Option<&Known> {
+        self.codels.get(at.0)?.get(at.1)
+    }
+
     /// A codel has been carried out already: it takes its time, and is known to have ended then.
-    fn takes_off(&mut self, automaton: usize, codel: CodelId, declared: &Declared, call: Call, answer: Answer) {
+    fn takes_off(&mut self, automaton: usize, codel: CodelId, declared: &Declared, call: Option<Call>, answer: Answer) {
         let drawn = match declared.wcet_ns.map(|ns| i64::try_from(ns).unwrap_or(i64::MAX)) {
             Some(wcet) => (((self.unit() * wcet as f64) as i64) + 1).min(wcet.max(1)),
             None => UNKNOWN_TIME,
         };
-        let took = Duration::from_nanos(drawn.saturating_add(call.busy.nanos()));
+        let took = Duration::from_nanos(drawn.saturating_add(call.as_ref().map_or(0, |call| call.busy.nanos())));
         self.calls += 1;
         self.returns.push(Reverse((self.now.0.saturating_add(took.nanos()), self.calls, automaton)));
-        self.note(automaton, Flight { codel, began: self.now, held: Some((call, answer, took)) });
+        self.note(automaton, Flight { codel, began: self.now, held: Some(Done { call, answer, took }) });
     }
 
     fn note(&mut self, automaton: usize, flight: Flight) {
@@ -74,24 +71,17 @@ impl Run {
         }
     }
 
-    /// What a codel answers that nobody has written: it does not end its activity if it need not, and writes to its ports what is there.
-    fn invent(&mut self, at: (usize, usize), call: &mut Call) -> Answer {
-        for argument in &mut call.arguments {
-            let types = &self.store.types;
-            if let (true, Held::Port { content, written }) =
-                (argument.direction != lapwing_genom::model::Direction::In, &mut argument.value)
-            {
-                written.push(content.take().unwrap_or_else(|| types.initial(&argument.ty)));
-            }
-        }
+    /// What a codel answers that nobody has written: it does not end its activity if it need not.
+    fn invent(&mut self, at: (usize, usize)) -> Answer {
         let lot = self.unit();
-        let all = self.answers.get(at.0).and_then(|all| all.get(at.1)).map_or(&[][..], Vec::as_slice);
+        let all = self.known(at).map_or(&[][..], |known| &known.answers);
         all.get((lot * all.len() as f64) as usize).cloned().unwrap_or(Answer::Ok)
     }
 
     fn lane(&self, automaton: usize, component: usize, declared: &Declared) -> Lane {
         let is_control = self.system.automata.get(automaton).is_some_and(|a| a.part == Part::Control);
-        let task = self.cell_of_automaton.get(&automaton).and_then(|cell| self.system.cells.get(*cell));
+        let task =
+            self.cell_of_automaton.get(automaton).copied().flatten().and_then(|cell| self.system.cells.get(cell));
         match (is_control, declared.is_async, task) {
             (true, ..) | (_, _, None) => Lane::Control(component),
             (_, true, _) => Lane::Beside(automaton),
@@ -102,8 +92,8 @@ impl Run {
     /// In logical time: the time of a codel is over.
     pub(super) fn land(&mut self, automaton: usize) {
         let Some(flight) = self.flights.get_mut(automaton).and_then(Option::take) else { return };
-        let Some((call, answer, took)) = flight.held else { return };
-        self.ends(automaton, flight.codel, call, answer, took);
+        let Some(done) = flight.held else { return };
+        self.ends(automaton, flight.codel, done);
     }
 
     /// In real time: a thread is done with a codel.
@@ -112,7 +102,10 @@ impl Run {
         let Some(flight) = self.flights.get_mut(automaton).and_then(Option::take) else { return };
         let Some(component) = self.system.automata.get(automaton).map(|a| a.component) else { return };
         match answer {
-            Ok(answer) => self.ends(automaton, flight.codel, call, answer, between(began, ended)),
+            Ok(answer) => {
+                let done = Done { call: Some(call), answer, took: between(began, ended) };
+                self.ends(automaton, flight.codel, done);
+            }
             Err(trouble) => self.fail(component, flight.codel, trouble),
         }
     }
@@ -134,7 +127,8 @@ impl Run {
     }
 
     /// A codel has ended: what it has done is there from now on, its lock is given back, and its automaton goes on.
-    fn ends(&mut self, automaton: usize, codel: CodelId, call: Call, answer: Answer, took: Duration) {
+    fn ends(&mut self, automaton: usize, codel: CodelId, done: Done) {
+        let Done { call, answer, took } = done;
         let model = self.model.clone();
         let Some(component) = self.system.automata.get(automaton).map(|a| a.component) else { return };
         let Some(declared) = model.components.get(component).and_then(|c| c.codels.get(codel.0)) else { return };
@@ -147,44 +141,44 @@ impl Run {
             self.figures.overrun((component, codel), took);
             self.tell(What::Overrun { component, codel, took, wcet });
         }
-        let locals = match self.cell_of_automaton.get(&automaton) {
-            Some(cell) => self.serving.get_mut(*cell).and_then(|s| s.pending.as_mut()),
+        let locals = match self.cell_of_automaton.get(automaton).copied().flatten() {
+            Some(cell) => self.serving.get_mut(cell).and_then(|s| s.pending.as_mut()),
             None => self.controls.get_mut(component).and_then(|c| c.current.as_mut()),
         };
         let locals = locals.map(|pending| &mut pending.locals);
-        let written = match (&declared.role, locals) {
-            (Role::Attribute, Some(locals)) => {
-                self.store.attribute((component, codel.0), locals);
-                Ok(Vec::new())
-            }
-            (_, locals) => self.store.commit((component, codel.0), call, locals),
-        };
-        match written {
-            Err(trouble) => return self.fail(component, codel, trouble),
-            Ok(all) => {
-                for written in all {
-                    let (port, name, value) = (written.port, written.name, written.value);
-                    self.tell(What::Written { component, port, name, value });
+        let at = (component, codel.0);
+        let written = match (&declared.role, call) {
+            (Role::Attribute, _) => {
+                let service = model.components.get(component).and_then(|c| c.service_of(declared.owner));
+                if let (Some(service), Some(locals)) = (service, locals) {
+                    self.store.attribute(at, service, locals);
                 }
+                Vec::new()
             }
+            (_, Some(call)) => self.store.commit(at, call, locals),
+            (_, None) => self.store.rewrite(at),
+        };
+        for Written { port, name, value } in written {
+            self.tell(What::Written { component, port, name, value });
         }
         self.answered(automaton, component, codel, declared, answer);
     }
 
     /// What a codel has answered says where its automaton goes.
     fn answered(&mut self, automaton: usize, component: usize, codel: CodelId, declared: &Declared, answer: Answer) {
-        let exception = self.exception(component, declared, &answer);
-        match self.cell_of_automaton.get(&automaton).copied() {
+        let exception = self.exception((component, codel), declared, &answer);
+        match self.cell_of_automaton.get(automaton).copied().flatten() {
             Some(cell) => {
+                let Some(known) = self.known((component, codel.0)) else { return };
                 let branch = match (&answer, &exception) {
-                    (Answer::Event(event), None) => automata::branch(declared, event),
+                    (Answer::Event(event), None) => known.branch(event),
                     _ => None,
                 };
-                let thrown = automata::branch_of_exception(declared);
+                let branch = branch.unwrap_or(known.thrown);
                 if let Some(serving) = self.serving.get_mut(cell) {
                     serving.thrown = exception;
                 }
-                self.complete(automaton, branch.unwrap_or(thrown), false);
+                self.complete(automaton, branch, false);
             }
             None => {
                 let refuses = exception.is_some();
@@ -197,11 +191,11 @@ impl Run {
     }
 
     /// The exception that an answer comes to: its own, or `bad_transition` where it answered what its codel does not declare.
-    fn exception(&self, component: usize, declared: &Declared, answer: &Answer) -> Option<String> {
+    fn exception(&self, (component, codel): (usize, CodelId), declared: &Declared, answer: &Answer) -> Option<String> {
         let model = &self.model;
         let known = |name: &str| {
             let component = model.components.get(component)?;
-            let own = crate::store::service_of(component, declared).map_or(&[][..], |s| &s.throws);
+            let own = component.service_of(declared.owner).map_or(&[][..], |s| &s.throws);
             let of_task =
                 component.task_of(declared).and_then(|t| component.tasks.get(t.0)).map_or(&[][..], |t| &t.throws);
             let all = own.iter().chain(of_task).chain(&component.throws);
@@ -211,7 +205,8 @@ impl Run {
         match answer {
             Answer::Exception(name) => Some(known(name).unwrap_or_else(|| format!("bad_transition ({name})"))),
             Answer::Event(event) if declared.is_state() => {
-                automata::branch(declared, event).is_none().then(|| format!("bad_transition ({event})"))
+                let branch = self.known((component, codel.0)).and_then(|known| known.branch(event));
+                branch.is_none().then(|| format!("bad_transition ({event})"))
             }
             Answer::Ok if declared.is_state() => Some("bad_transition (ok)".to_owned()),
             Answer::Event(event) => Some(format!("bad_transition ({event})")),
@@ -229,13 +224,6 @@ impl Run {
     pub(super) fn delay(&self, since: Time) -> Duration {
         between(since, self.now)
     }
-}
-
-/// What a codel that nobody has written can answer: `ether` only where there is nothing else.
-pub(super) fn answers(declared: &Declared) -> Vec<Answer> {
-    let all: Vec<String> = declared.yields().iter().map(|t| t.text()).collect();
-    let goes_on = all.iter().any(|event| event != "ether");
-    all.into_iter().filter(|event| !goes_on || event != "ether").map(Answer::Event).collect()
 }
 
 fn words(answer: &Answer) -> String {

@@ -5,23 +5,24 @@
 //! everything that is drawn comes from the seed; in real time codels run on threads of their tasks.
 
 mod calls;
+mod known;
 mod moves;
 mod workers;
 
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap, VecDeque};
+use std::collections::{BinaryHeap, VecDeque};
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
 
 use lapwing_genom::Model;
-use lapwing_genom::automata::{self, Part, Settings, System, VarId};
-use lapwing_genom::model::{CodelId, Role, ServiceId};
+use lapwing_genom::automata::{self, Part, Settings, System};
+use lapwing_genom::model::{CodelId, ServiceId};
 use lapwing_genom::mutex::Rules;
 use lapwing_stream::{Duration, Time};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng;
 
-use crate::codel::{Answer, Codel, Codels};
+use crate::codel::{Answer, Call, Codels};
 use crate::figures::Figures;
 use crate::happening::{Happening, Outcome, What, Whose};
 use crate::machine::Machine;
@@ -29,6 +30,7 @@ use crate::request::{self, Request};
 use crate::store::{Locals, Store};
 use crate::types::Types;
 
+use known::Known;
 use workers::{Word, Workers};
 
 /// How components are run.
@@ -86,8 +88,16 @@ struct Serving {
 struct Flight {
     codel: CodelId,
     began: Time,
-    /// In logical time: what it has answered, which is known to nobody before it ends.
-    held: Option<(crate::codel::Call, Answer, Duration)>,
+    /// In logical time: what it has done, which is known to nobody before it ends.
+    held: Option<Done>,
+}
+
+/// What a codel has done.
+struct Done {
+    /// None where nobody has written it: then it has changed nothing.
+    call: Option<Call>,
+    answer: Answer,
+    took: Duration,
 }
 
 /// What is due in logical time, and in which order at one time.
@@ -98,10 +108,8 @@ pub struct Run {
     model: Arc<Model>,
     system: Arc<System>,
     setup: Setup,
-    /// By component and codel: what somebody has written.
-    written: Vec<Vec<Option<Arc<dyn Codel>>>>,
-    /// By component and codel: what it can answer, without `ether` where there is anything else.
-    answers: Vec<Vec<Vec<Answer>>>,
+    /// By component and codel.
+    codels: Vec<Vec<Known>>,
     machine: Machine,
     store: Store,
     random: Pcg64,
@@ -116,10 +124,10 @@ pub struct Run {
     returns: BinaryHeap<Due>,
     /// By the number of the cell.
     serving: Vec<Serving>,
-    cell_of_automaton: BTreeMap<usize, usize>,
-    cell_of_var: BTreeMap<VarId, usize>,
-    task_of_timer: BTreeMap<usize, usize>,
-    task_of_manager: BTreeMap<usize, usize>,
+    cell_of_automaton: Vec<Option<usize>>,
+    cell_of_var: Vec<Option<usize>>,
+    task_of_timer: Vec<Option<usize>>,
+    task_of_manager: Vec<Option<usize>>,
     /// When the last period of each task began.
     ticked: Vec<Option<Time>>,
     /// By component: the automaton of the control task, the request that it is busy with, and those that wait.
@@ -183,7 +191,7 @@ impl Run {
     pub fn new(model: Arc<Model>, setup: Setup, codels: Codels) -> Result<Run, CannotRun> {
         let settings = Settings { instances: setup.instances, rules: setup.rules, runtime: true, exceptions: true };
         let system = Arc::new(automata::build(&model, settings).map_err(|e| CannotRun(e.to_string()))?);
-        let store = Store::new(model.clone()).map_err(CannotRun)?;
+        let store = Store::new(&model).map_err(CannotRun)?;
         let mut controls: Vec<Control> = model.components.iter().map(|_| Control::default()).collect();
         for (number, automaton) in system.automata.iter().enumerate().filter(|(_, a)| a.part == Part::Control) {
             if let Some(control) = controls.get_mut(automaton.component) {
@@ -203,10 +211,10 @@ impl Run {
             flights: system.automata.iter().map(|_| None).collect(),
             returns: BinaryHeap::new(),
             serving: vec![Serving::default(); system.cells.len()],
-            cell_of_automaton: cells().map(|(n, c)| (c.automaton, n)).collect(),
-            cell_of_var: cells().map(|(n, c)| (c.status, n)).collect(),
-            task_of_timer: tasks().filter_map(|(n, t)| Some((t.timer?, n))).collect(),
-            task_of_manager: tasks().map(|(n, t)| (t.manager, n)).collect(),
+            cell_of_automaton: table(system.automata.len(), cells().map(|(n, c)| (c.automaton, n))),
+            cell_of_var: table(system.variables.len(), cells().map(|(n, c)| (c.status.0, n))),
+            task_of_timer: table(system.automata.len(), tasks().filter_map(|(n, t)| Some((t.timer?, n)))),
+            task_of_manager: table(system.automata.len(), tasks().map(|(n, t)| (t.manager, n))),
             ticked: vec![None; system.tasks.len()],
             controls,
             later: BinaryHeap::new(),
@@ -216,12 +224,11 @@ impl Run {
             workers: setup.is_real.then(Workers::new),
             has_begun: false,
             is_over: false,
-            written: model
+            codels: model
                 .components
                 .iter()
-                .map(|c| c.codels.iter().map(|codel| found(&codels, c, codel)).collect())
+                .map(|c| c.codels.iter().map(|codel| Known::new(&codels, c, codel)).collect())
                 .collect(),
-            answers: model.components.iter().map(|c| c.codels.iter().map(calls::answers).collect()).collect(),
             model,
             system,
             setup,
@@ -429,13 +436,15 @@ impl Run {
     }
 }
 
-/// What somebody has written for a codel. The work of an attribute is nobody's.
-fn found(
-    codels: &Codels,
-    component: &lapwing_genom::model::Component,
-    codel: &lapwing_genom::model::Codel,
-) -> Option<Arc<dyn Codel>> {
-    codels.get(&component.name, &codel.function).filter(|_| codel.role != Role::Attribute).cloned()
+/// A table by a number, of what only some of these have.
+fn table(length: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Vec<Option<usize>> {
+    let mut all = vec![None; length];
+    for (key, value) in pairs {
+        if let Some(place) = all.get_mut(key) {
+            *place = Some(value);
+        }
+    }
+    all
 }
 
 impl Whose {

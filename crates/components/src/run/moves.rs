@@ -1,15 +1,12 @@
 //! What the moves of the automata mean: periods begin, requests are taken, activities start, stop, end and are reported.
 
-use lapwing_genom::automata::{Class, LocId, Part, status};
+use lapwing_genom::automata::{Class, ETHER, LocId, Part, status};
 use lapwing_genom::model::ServiceKind;
 use lapwing_stream::Time;
 
 use super::{Pending, Run, TOLERANCE_NS};
 use crate::happening::{Outcome, What, Whose};
 use crate::machine::{Change, Move, Offer};
-
-/// The place where every activity begins and ends.
-const ETHER: LocId = LocId(0);
 
 impl Run {
     pub(super) fn handle(&mut self, next: Move) {
@@ -23,7 +20,7 @@ impl Run {
     /// A timer has moved: its period began at `at`.
     pub(super) fn ticks(&mut self, at: Time, next: Move) {
         let Move::Taken { automaton, edge, changes } = next else { return };
-        let Some(number) = self.task_of_timer.get(&automaton).copied() else { return };
+        let Some(number) = self.task_of_timer.get(automaton).copied().flatten() else { return };
         self.figures.moves += 1;
         // The last edge of a timer is its period; those before only wait until it may begin.
         let is_period = self.machine.edge(automaton, edge).is_some_and(|e| e.from == e.to);
@@ -59,7 +56,7 @@ impl Run {
 
     /// A turn of a task begins.
     fn turn(&mut self, automaton: usize) {
-        let Some(number) = self.task_of_manager.get(&automaton).copied() else { return };
+        let Some(number) = self.task_of_manager.get(automaton).copied().flatten() else { return };
         let Some(task) = self.system.tasks.get(number).copied() else { return };
         let key = (task.component, task.task);
         self.figures.turn(key);
@@ -74,7 +71,7 @@ impl Run {
 
     fn activity(&mut self, automaton: usize, from: LocId, to: LocId) {
         if from == ETHER && to != ETHER {
-            let Some(cell) = self.cell_of_automaton.get(&automaton).copied() else { return };
+            let Some(cell) = self.cell_of_automaton.get(automaton).copied().flatten() else { return };
             let Some((whose, instance)) = self.whose(cell) else { return };
             let values = self.serving.get(cell).and_then(|s| s.pending.as_ref()).map(|p| p.values.clone());
             self.tell(What::Started { whose, instance, values: values.unwrap_or_default() });
@@ -82,7 +79,7 @@ impl Run {
     }
 
     fn ended(&mut self, automaton: usize) {
-        let Some(cell) = self.cell_of_automaton.get(&automaton).copied() else { return };
+        let Some(cell) = self.cell_of_automaton.get(automaton).copied().flatten() else { return };
         let Some((whose, instance)) = self.whose(cell) else { return };
         let outcome = self.serving.get(cell).and_then(|s| s.outcome.clone()).unwrap_or(Outcome::Done);
         self.tell(What::Ended { whose, instance, outcome });
@@ -96,7 +93,7 @@ impl Run {
 
     /// The status of a cell has changed.
     fn status(&mut self, component: usize, change: Change) {
-        let Some(cell) = self.cell_of_var.get(&change.var).copied() else { return };
+        let Some(cell) = self.cell_of_var.get(change.var.0).copied().flatten() else { return };
         let Some((whose, instance)) = self.whose(cell) else { return };
         match (change.before, change.after) {
             (status::VOID, status::WAIT) => {
@@ -164,10 +161,8 @@ impl Run {
 
     fn report(&mut self, pending: &Pending, outcome: Outcome) {
         let whose = pending.whose;
-        let names: Vec<String> =
-            self.service(whose).map(|s| s.parameters.iter().map(|p| p.name.clone()).collect()).unwrap_or_default();
-        let now = names.iter().zip(&pending.values);
-        let values = now.map(|(name, value)| pending.locals.get(name).unwrap_or(value).clone()).collect();
+        let count = self.service(whose).map_or(0, |s| s.parameters.len());
+        let values = pending.locals.parameters(count).to_vec();
         self.tell(What::Reported { id: pending.id, whose, outcome, values });
     }
 
@@ -176,8 +171,7 @@ impl Run {
         let Some(component) = self.system.automata.get(automaton).map(|a| a.component) else { return };
         let Some(pending) = self.controls.get_mut(component).and_then(|c| c.waiting.pop_front()) else { return };
         let (id, whose) = (pending.id, pending.whose);
-        let name = self.service(whose).map(|s| s.name.clone()).unwrap_or_default();
-        match self.machine.offer(automaton, &name, self.now) {
+        match self.machine.offer(automaton, whose.service, self.now) {
             Offer::Taken { edge, changes } => {
                 if let Some(control) = self.controls.get_mut(component) {
                     control.current = Some(pending);

@@ -6,7 +6,7 @@ use lapwing_diag::Span;
 
 use super::builder::{Builder, Draft};
 use super::plan::{Cell, Plan, TaskPlan, status};
-use super::{Action, Automaton, Call, Class, ClockGuard, Cond, EXCEPTION, Edge, LocId, Part, VarId};
+use super::{Action, Automaton, Call, Class, ClockGuard, Cond, ETHER, EXCEPTION, Edge, LocId, Part, VarId};
 use crate::model::{Codel, CodelId, Target, Transition};
 
 /// Adds a variable of the activity's own: its name, its greatest value where it is a number, what it stands for.
@@ -30,7 +30,7 @@ pub(super) fn automaton(plan: &Plan<'_>, task: &TaskPlan, place: usize, variable
         place,
         cell,
         builder: Builder::new(cell.name.clone(), part, plan.number, span),
-        ether: LocId(0),
+        ether: ETHER,
         states: BTreeMap::new(),
         events: BTreeMap::new(),
         stopping: None,

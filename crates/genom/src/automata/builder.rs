@@ -53,6 +53,7 @@ impl Builder {
             from: draft.from,
             to: draft.to,
             class: draft.class,
+            request: None,
             guard: draft.guard,
             clock: None,
             eager: false,

@@ -58,7 +58,7 @@ impl Control<'_, '_> {
         let guard =
             Cond::All(needed.iter().filter_map(|s| self.plan.done.get(s)).map(|done| Cond::Is(*done, 1)).collect());
         let draft = Draft { from: self.receive, to: first, class: Class::Request, guard, actions: Vec::new(), span };
-        self.builder.named(&format!("request_{}", service.name), draft);
+        self.builder.named(&format!("request_{}", service.name), draft).request = Some(id);
         let mut at = first;
         if let Some(validate) = service.validate {
             let accepted = self.builder.location(&format!("{}_accepted", service.name), None, None, span);

@@ -67,6 +67,9 @@ pub struct VarId(pub usize);
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct LocId(pub usize);
 
+/// The location in which every activity begins and ends.
+pub const ETHER: LocId = LocId(0);
+
 /// Automata over shared variables.
 #[derive(Clone, Debug, Default)]
 pub struct System {
@@ -146,6 +149,13 @@ pub struct Automaton {
     pub edges: Vec<Edge>,
 }
 
+impl Automaton {
+    /// The edge by which a control task takes a request for a service.
+    pub fn request(&self, service: ServiceId) -> Option<&Edge> {
+        self.edges.iter().find(|e| e.request == Some(service))
+    }
+}
+
 /// What an automaton stands for.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Part {
@@ -216,6 +226,8 @@ pub struct Edge {
     pub to: LocId,
     /// What it is for.
     pub class: Class,
+    /// The service for which a request arrives, where its class is [`Class::Request`].
+    pub request: Option<ServiceId>,
     /// What must hold of variables.
     pub guard: Cond,
     /// What must hold of the clock.

@@ -13,11 +13,12 @@ const MOST_PADDING: usize = 4 << 20;
 /// The parts of a text. One without markers is one part.
 pub(crate) fn parts(name: &str, text: &str) -> Vec<Part> {
     let mut parts = vec![Part { name: name.to_owned(), text: String::new() }];
+    // Never more than MOST_PADDING.
     let mut padding = 0;
     for line in text.split_inclusive('\n') {
         let Some(last) = parts.last_mut() else { break };
         match marker(line) {
-            Some((number, file)) if padding + number <= MOST_PADDING => {
+            Some((number, file)) if number <= MOST_PADDING - padding => {
                 padding += number;
                 let name = file.map_or_else(|| last.name.clone(), str::to_owned);
                 parts.push(Part { name, text: "\n".repeat(number.saturating_sub(1)) });
@@ -50,5 +51,12 @@ mod tests {
         let found = parts("all.i", "a\n# 3 \"b.gen\" 1\nb\n#line 7\nc\n# 4000000000 \"d\"\n");
         let shown: Vec<(&str, &str)> = found.iter().map(|p| (p.name.as_str(), p.text.as_str())).collect();
         assert_eq!(shown, [("all.i", "a\n"), ("b.gen", "\n\nb\n"), ("b.gen", "\n\n\n\n\n\nc\n# 4000000000 \"d\"\n")]);
+    }
+
+    #[test]
+    fn numbers_are_added_up_without_overflow() {
+        let found = parts("all.i", "# 3 \"b\"\nx\n# 18446744073709551614 \"c\"\ny");
+        let shown: Vec<(&str, &str)> = found.iter().map(|p| (p.name.as_str(), p.text.as_str())).collect();
+        assert_eq!(shown, [("b", "\n\nx\n# 18446744073709551614 \"c\"\ny")]);
     }
 }

@@ -7,11 +7,12 @@
 use std::collections::BTreeMap;
 
 use lapwing_bip::ast::{
-    AtomPort, AtomType, BinaryOp, Clock, Component, CompoundType, Connector, ConnectorType, Data, Decl, DeclKind, Expr,
-    ExternFunction, Initial, Invariant, Name, Package, Path, Port, PortExpr, PortType, Resume, Stmt, TimeUnit,
-    Transition, UnaryOp, Urgency,
+    AtomPort, AtomType, BinaryOp, Clock, Component, CompoundType, Connector, Data, Decl, DeclKind, Expr,
+    ExternFunction, Initial, Invariant, Name, Package, Path, PortType, Resume, Stmt, TimeUnit, Transition, UnaryOp,
+    Urgency,
 };
 
+use super::parts::{BASIC, atom_type, connector, noted, port, port_path, rendezvous, rendezvous_name};
 use super::{Input, Sharing, names};
 use crate::automata::{Action, Automaton, Class, ClockGuard, Cond, Edge, LocId, Part, System, VarId};
 
@@ -36,7 +37,7 @@ impl Writer<'_> {
     fn package(&mut self) -> Package {
         let connectors = self.connectors();
         let mut decls = vec![noted(
-            DeclKind::Port(PortType { name: "Basic".into(), params: Vec::new() }),
+            DeclKind::Port(PortType { name: BASIC.into(), params: Vec::new() }),
             "A port that passes nothing on.",
         )];
         let mut sizes: Vec<usize> = connectors.iter().map(|c| c.ports.len()).collect();
@@ -50,7 +51,7 @@ impl Writer<'_> {
         }
         let components = self.system.automata.iter().map(|automaton| Component {
             notes: Vec::new(),
-            ty: type_name(automaton).into(),
+            ty: atom_type(automaton).into(),
             name: names::bip(&automaton.name).into(),
             args: Vec::new(),
         });
@@ -88,8 +89,8 @@ impl Writer<'_> {
                 }
                 connectors.push(Connector {
                     notes: vec![format!("{}: {}", self.input.line(edge.span), class(edge.class))],
-                    ty: format!("Rendezvous{}", ports.len()).into(),
-                    name: format!("{}_{}", automaton.name, edge.name).into(),
+                    ty: rendezvous_name(ports.len()).into(),
+                    name: connector(automaton, &edge.name).into(),
                     ports,
                 });
             }
@@ -158,7 +159,7 @@ impl Writer<'_> {
             Some(Invariant { notes, name, places: vec![place], guard, span: Default::default() })
         });
         AtomType {
-            name: type_name(automaton).into(),
+            name: atom_type(automaton).into(),
             data: held.iter().filter_map(|id| self.data(*id)).collect(),
             clocks: vec![Clock { name: "x".into(), unit }],
             ports,
@@ -298,41 +299,6 @@ impl Writer<'_> {
             }
         }
     }
-}
-
-fn noted(kind: DeclKind, note: &str) -> Decl {
-    Decl { notes: vec![note.to_owned()], ..Decl::from(kind) }
-}
-
-/// A connector type in which all of a number of ports take part or none.
-fn rendezvous(size: usize) -> Decl {
-    let port = |number: usize| format!("p{number}");
-    let ports = (1..=size).map(|n| (Path::from("Basic"), Name::from(port(n)))).collect();
-    let define = (1..=size).map(|n| PortExpr::synchron(port(n))).collect();
-    let name = format!("Rendezvous{size}").into();
-    DeclKind::Connector(ConnectorType {
-        name,
-        ports,
-        data: Vec::new(),
-        export: None,
-        define,
-        resume: None,
-        interactions: Vec::new(),
-    })
-    .into()
-}
-
-fn port(name: &str, is_exported: bool, notes: Vec<String>) -> AtomPort {
-    let port = Port { ty: "Basic".into(), name: names::bip(name).into(), args: Vec::new() };
-    AtomPort { notes, is_exported, ports: vec![port], merged: None }
-}
-
-fn port_path(automaton: &Automaton, port: &str) -> Path {
-    Path { parts: vec![names::bip(&automaton.name).into(), names::bip(port).into()] }
-}
-
-fn type_name(automaton: &Automaton) -> String {
-    format!("{}_type", automaton.name)
 }
 
 /// The function that an edge calls.

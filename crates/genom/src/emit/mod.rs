@@ -5,6 +5,7 @@
 mod bip;
 mod c;
 mod names;
+pub mod parts;
 mod picture;
 mod share;
 mod uppaal;

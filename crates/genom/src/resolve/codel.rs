@@ -7,7 +7,7 @@ use super::draft::Draft;
 use super::scope::ScopeId;
 use super::service::name_of;
 use crate::ast::{self, Direction, Source};
-use crate::model::{Codel, CodelParameter, Component, Object, Owner, PortId, Role, Service, Type};
+use crate::model::{Codel, CodelParameter, Component, Object, Owner, PortId, Role, Type};
 use lapwing_diag::suggest::{listed, nearest};
 
 /// Where a codel stands.
@@ -130,7 +130,8 @@ impl<'a> Resolver<'a> {
         if self.ids_fields(place.draft.ids).iter().any(|f| f.name == name) {
             places.push(Source::Ids);
         }
-        if owner_service(component, place.owner)
+        if component
+            .service_of(place.owner)
             .is_some_and(|s| s.parameters.iter().any(|p| p.name == name) || s.locals.iter().any(|l| l.name == name))
         {
             places.push(Source::Local);
@@ -146,7 +147,7 @@ impl<'a> Resolver<'a> {
 
     fn candidates(&self, place: &Place<'_, 'a>, component: &Component) -> Vec<String> {
         let mut all: Vec<String> = self.ids_fields(place.draft.ids).iter().map(|f| f.name.clone()).collect();
-        if let Some(service) = owner_service(component, place.owner) {
+        if let Some(service) = component.service_of(place.owner) {
             all.extend(service.parameters.iter().map(|p| p.name.clone()));
             all.extend(service.locals.iter().map(|l| l.name.clone()));
         }
@@ -201,7 +202,7 @@ impl<'a> Resolver<'a> {
                     .map_or(Object::Unknown, |(_, steps)| Object::Ids(steps))
             }
             Source::Local => {
-                let service = owner_service(component, place.owner);
+                let service = component.service_of(place.owner);
                 let parameter =
                     service.and_then(|s| s.parameters.iter().find(|p| p.name == base.name)).map(|p| p.ty.clone());
                 let local =
@@ -243,12 +244,5 @@ impl<'a> Resolver<'a> {
                 Diagnostic::new(Code::UnknownPort, parameter.path.span, message).also(port.span, "it is declared here"),
             );
         }
-    }
-}
-
-fn owner_service(component: &Component, owner: Owner) -> Option<&Service> {
-    match owner {
-        Owner::Service(service) => component.services.get(service.0),
-        Owner::Task(_) => None,
     }
 }

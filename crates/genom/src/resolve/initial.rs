@@ -28,7 +28,7 @@ impl Resolver<'_> {
 
     /// A value as one of a type.
     fn fitting(&mut self, ty: &Type, value: Const, span: Span) -> Option<Value> {
-        let fits = match (self.final_type(ty), &value) {
+        let fits = match (ty.behind(&self.types), &value) {
             (Type::Basic(Basic::Boolean), Const::Bool(_) | Const::Int(_)) => true,
             (Type::Basic(Basic::Boolean), _) => false,
             (Type::Basic(Basic::Char | Basic::WideChar), value) => matches!(value, Const::Char(_) | Const::Int(_)),
@@ -65,7 +65,7 @@ impl Resolver<'_> {
 
     /// Values in braces: of the members or elements in their order, except where they say of which.
     fn parts(&mut self, scope: ScopeId, ty: &Type, inits: &[Init], span: Span) -> Option<Value> {
-        let (members, element): (Vec<(String, Type)>, Option<(Type, Option<u64>)>) = match self.final_type(ty) {
+        let (members, element): (Vec<(String, Type)>, Option<(Type, Option<u64>)>) = match ty.behind(&self.types) {
             Type::Array(inner, length) => (Vec::new(), Some(((**inner).clone(), Some(*length)))),
             Type::Sequence(inner, length) => (Vec::new(), Some(((**inner).clone(), *length))),
             Type::Optional(inner) => {

@@ -112,7 +112,7 @@ impl<'a> Resolver<'a> {
                 }
                 ast::Step::Element(expr) => {
                     let number = self.size(scope, expr)?;
-                    let (inner, length) = match self.final_type(&ty) {
+                    let (inner, length) = match ty.behind(&self.types) {
                         Type::Array(inner, length) => ((**inner).clone(), Some(*length)),
                         Type::Sequence(inner, length) => ((**inner).clone(), *length),
                         _ => {

@@ -244,23 +244,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// What a type is behind all its names.
-    pub(super) fn final_type<'t>(&'t self, mut ty: &'t Type) -> &'t Type {
-        // An alias is declared after what it stands for, so that this ends; the bound only holds it to that.
-        for _ in 0..=self.types.len() {
-            match ty {
-                Type::Named(id) => match self.types.get(id.0).map(|t| &t.kind) {
-                    Some(TypeDefKind::Alias(inner)) => ty = inner,
-                    _ => return ty,
-                },
-                _ => return ty,
-            }
-        }
-        ty
-    }
-
     pub(super) fn final_kind(&self, ty: &Type) -> Option<&TypeDefKind> {
-        match self.final_type(ty) {
+        match ty.behind(&self.types) {
             Type::Named(id) => self.types.get(id.0).map(|t| &t.kind),
             _ => None,
         }

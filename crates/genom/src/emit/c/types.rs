@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use super::NotInC;
 use crate::model::{
-    Basic, Codel, CodelParameter, Component, Direction, Field, Label, Model, Object, Owner, Step, Type, TypeDef,
-    TypeDefKind, TypeId,
+    Basic, Codel, CodelParameter, Component, Direction, Field, Label, Model, Object, Step, Type, TypeDef, TypeDefKind,
+    TypeId,
 };
 
 /// Types inside types no deeper than this.
@@ -56,17 +56,7 @@ impl Names<'_> {
 
     /// A type with its other names followed.
     pub(super) fn shape<'t>(&'t self, ty: &'t Type) -> &'t Type {
-        let mut ty = ty;
-        for _ in 0..MOST_DEPTH {
-            match ty {
-                Type::Named(id) => match self.def(*id).map(|d| &d.kind) {
-                    Some(TypeDefKind::Alias(inner)) => ty = inner,
-                    _ => return ty,
-                },
-                _ => return ty,
-            }
-        }
-        ty
+        ty.behind(&self.model.types)
     }
 
     /// The fields of a structure.
@@ -86,10 +76,7 @@ impl Names<'_> {
         let (whole, steps) = match &parameter.object {
             Object::Ids(steps) => (component.ids.map(Type::Named), steps),
             Object::Local(name, steps) => {
-                let service = match codel.owner {
-                    Owner::Service(service) => component.services.get(service.0),
-                    Owner::Task(_) => None,
-                };
+                let service = component.service_of(codel.owner);
                 let parameter = service.and_then(|s| s.parameters.iter().find(|p| p.name == *name));
                 let local = service.and_then(|s| s.locals.iter().find(|l| l.name == *name));
                 (parameter.and_then(|p| p.ty.clone()).or(local.map(|l| l.ty.clone())), steps)
@@ -312,8 +299,11 @@ impl Writer<'_, '_> {
     }
 }
 
-/// The labels of a case, as C writes them; none for all others.
+/// The labels of a case, as C writes them; none for all others, whatever stands beside `default`.
 pub(super) fn labels(labels: &[Label], enumerators: &str) -> Vec<String> {
+    if labels.contains(&Label::Default) {
+        return Vec::new();
+    }
     let text = |label: &Label| match label {
         Label::Int(value) => Some(value.to_string()),
         Label::Name(name) => Some(format!("{enumerators}{name}")),
