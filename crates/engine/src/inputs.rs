@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use lapwing_stream::{Time, Value};
 use serde::{Deserialize, Serialize};
 
-use crate::program::{Column, Program, Read, Wake};
+use crate::program::{Column, Program, Read, Slot, Wake};
 use crate::skim::Row;
 
 /// The latest of everything.
@@ -20,6 +20,9 @@ pub struct Inputs {
     pub(crate) due: Vec<Due>,
     /// Whether there may be any.
     pub(crate) woken: bool,
+    /// For each signal the numbers among which it may change without anything turning on it. Empty where that is not known.
+    #[serde(skip)]
+    bands: Vec<Band>,
     /// The latest row, where all that fills signals is rows of truth values.
     #[serde(skip)]
     pub(crate) row: Row,
@@ -31,6 +34,27 @@ pub struct Inputs {
     pub(crate) machines: Vec<Option<usize>>,
     /// Whether a machine met a value of another kind than it needs, so that nobody knows where it stands.
     pub(crate) lost: Vec<bool>,
+}
+
+/// Numbers from one on to another, which is not among them.
+#[derive(Clone, Copy, Debug)]
+struct Band {
+    from: f64,
+    to: f64,
+}
+
+impl Band {
+    #[inline]
+    fn holds(&self, x: f64) -> bool {
+        self.from <= x && x < self.to
+    }
+}
+
+impl Default for Band {
+    /// No numbers.
+    fn default() -> Band {
+        Band { from: f64::INFINITY, to: f64::NEG_INFINITY }
+    }
 }
 
 /// What changed signals made due in a group.
@@ -96,6 +120,7 @@ impl Inputs {
             versions: alloc::vec![0; if program.counts_values() { program.slots.len() } else { 0 }],
             due: alloc::vec![Due::default(); program.groups.len()],
             woken: false,
+            bands: alloc::vec![Band::default(); program.slots.len()],
             row: Row::default(),
             stirred: false,
             topics: alloc::vec![TopicState::default(); program.topics.len()],
@@ -110,10 +135,8 @@ impl Inputs {
     pub(crate) fn set(&mut self, program: &Program, slot: usize, value: &Value) {
         let (Some(to), Some(plan)) = (self.slots.get_mut(slot), program.slots.get(slot)) else { return };
         if !is_latest(to, value) {
-            self.woken = true;
             self.row = Row::default();
-            let letters = replace(to, value);
-            wake(&mut self.due, &plan.wakes, letters);
+            self.change(plan, slot, &plan.wakes, value);
         }
         if let Some(version) = self.versions.get_mut(slot)
             && !matches!(value, Value::Missing)
@@ -124,20 +147,63 @@ impl Inputs {
 
     /// Stores the cells of a row.
     #[inline]
-    pub(crate) fn set_row(&mut self, columns: &[Column], cells: &[Value]) {
-        let slots = &mut self.slots[..];
-        for column in columns {
-            if let (Some(to), Some(value)) = (slots.get_mut(column.slot), cells.get(column.cell))
+    pub(crate) fn set_row(&mut self, program: &Program, cells: &[Value]) {
+        for column in &program.columns {
+            if let (Some(to), Some(value)) = (self.slots.get(column.slot), cells.get(column.cell))
                 && !is_latest(to, value)
+                && let Some(plan) = program.slots.get(column.slot)
             {
-                self.woken = true;
-                let letters = replace(to, value);
-                wake(&mut self.due, &column.wakes, letters);
+                self.change(plan, column.slot, &column.wakes, value);
             }
         }
         if !self.versions.is_empty() {
-            self.count_row(columns, cells);
+            self.count_row(&program.columns, cells);
         }
+    }
+
+    /// Stores another value, and makes due what turns on it.
+    #[inline(always)]
+    fn change(&mut self, plan: &Slot, slot: usize, wakes: &[Wake], value: &Value) {
+        let to = &mut self.slots[slot];
+        match (&mut *to, value) {
+            (Value::Num(to), Value::Num(from)) => {
+                let was = core::mem::replace(to, *from);
+                if !self.bands.get(slot).is_some_and(|band| band.holds(*from)) {
+                    self.cross(plan, slot, was, *from);
+                }
+            }
+            _ => {
+                self.woken = true;
+                let letters = replace(to, value);
+                wake(&mut self.due, wakes, letters);
+            }
+        }
+    }
+
+    /// A number became another, and left the band in which nothing turns on it.
+    #[inline(never)]
+    fn cross(&mut self, plan: &Slot, slot: usize, was: f64, is: f64) {
+        let Slot { cuts, every, wakes, .. } = plan;
+        let mut band = Band::default();
+        if was.is_nan() || is.is_nan() {
+            self.woken = true;
+            wake(&mut self.due, wakes, Wake::NO_LETTER);
+        } else {
+            let below = |x: f64| cuts.partition_point(|cut| cut.at <= x);
+            let (from, to) = (below(was), below(is));
+            let crossed = &cuts[from.min(to)..from.max(to)];
+            self.woken |= !(crossed.is_empty() && every.is_empty());
+            crossed.iter().for_each(|cut| wake(&mut self.due, core::slice::from_ref(&cut.wake), 0));
+            wake(&mut self.due, every, 0);
+            if every.is_empty() {
+                band.from = to.checked_sub(1).map_or(f64::NEG_INFINITY, |last| cuts[last].at);
+                band.to = cuts.get(to).map_or(f64::INFINITY, |next| next.at);
+            }
+        }
+        if self.bands.len() <= slot {
+            self.bands.resize(self.slots.len(), Band::default());
+        }
+        self.bands[slot] = band;
     }
 
     fn count_row(&mut self, columns: &[Column], cells: &[Value]) {

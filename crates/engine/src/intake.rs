@@ -16,7 +16,7 @@ impl Piece {
                 self.make_instances(program);
             }
             What::Row { cells } => {
-                self.inputs.set_row(&program.columns, cells);
+                self.inputs.set_row(program, cells);
                 if self.minds_slots {
                     self.hear(program, cells, sample.time.0);
                 }

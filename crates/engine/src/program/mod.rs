@@ -1,10 +1,12 @@
 //! The program: what a checked specification compiles to. Plain data, immutable once built; numbers index the vectors beside them.
 
 mod code;
+mod cuts;
 mod formula;
 mod wiring;
 
 pub use code::*;
+pub use cuts::Cut;
 pub use formula::*;
 pub use wiring::*;
 
@@ -65,6 +67,13 @@ pub struct Slot {
     /// What another value of it makes due. [`Program::link`] fills it.
     #[serde(skip)]
     pub wakes: Vec<Wake>,
+    /// Of these, where it was a number and is another: what any other makes due, and what only a number on the far side of a cut does, in
+    /// increasing order.
+    #[serde(skip)]
+    pub every: Vec<Wake>,
+    #[serde(skip)]
+    #[allow(missing_docs)] // Above.
+    pub cuts: Vec<Cut>,
 }
 
 /// A cell of a row that fills a slot.

@@ -5,7 +5,8 @@ use alloc::vec::Vec;
 use crate::latest::over;
 use crate::skim::Row;
 
-use super::{At, Clock, Column, Group, Judged, Node, NodeId, Op, Positions, Program, Tracker};
+use super::cuts::{Cut, cuts};
+use super::{At, Clock, Column, Group, Judged, Node, NodeId, Op, Positions, Program, Slot, Tracker};
 
 /// So many operators have a bit each. Where there are more, all of them run at every position.
 const BITS: usize = u64::BITS as usize;
@@ -94,19 +95,17 @@ impl Program {
     /// Fills in what follows from the rest of the program. To be called once all of it is there; without it everything runs at every
     /// position.
     pub fn link(&mut self) {
-        self.slots.iter_mut().for_each(|slot| slot.wakes.clear());
+        self.slots.iter_mut().for_each(|slot| *slot = Slot { default: slot.default.take(), ..Slot::default() });
         for (number, group) in self.groups.iter_mut().enumerate() {
             let wired = wire(&group.at);
-            for (slot, ops) in wired.iter().flat_map(|w| w.slots.iter().copied()) {
-                if let Some(slot) = self.slots.get_mut(slot) {
-                    let letter = wired.as_ref().map_or(Wake::NO_LETTER, |wired| wired.letter(&group.at, ops));
-                    slot.wakes.push(Wake { group: number, ops, letter });
-                }
+            if let Some(wired) = &wired {
+                wired.wake(&group.at, number, &mut self.slots);
             }
             group.at.wiring = wired.map(|w| w.wiring);
             group.rests = group.may_rest();
             group.verdicts = if group.rests { group.verdicts() } else { 0 };
         }
+        self.slots.iter_mut().for_each(|slot| slot.cuts.sort_by(|a, b| a.at.total_cmp(&b.at)));
         for column in &mut self.columns {
             column.wakes = self.slots.get(column.slot).map(|slot| slot.wakes.clone()).unwrap_or_default();
         }
@@ -166,10 +165,12 @@ impl Group {
     }
 }
 
-/// The wiring of some positions, and for each slot that is read the operators that read it.
+/// The wiring of some positions, and for each slot that is read the operators that read it; those among them that only compare it with
+/// constants, each with its slot and the numbers at which its truth changes.
 struct Wired {
     wiring: Wiring,
     slots: Vec<(usize, u64)>,
+    comparisons: Vec<(usize, u64, Vec<f64>)>,
 }
 
 fn wire(at: &Positions) -> Option<Wired> {
@@ -177,9 +178,10 @@ fn wire(at: &Positions) -> Option<Wired> {
         return None;
     }
     let wiring = Wiring { readers: alloc::vec![0; at.ops.len()], ..Wiring::default() };
-    let mut wired = Wired { wiring, slots: Vec::new() };
+    let mut wired = Wired { wiring, slots: Vec::new(), comparisons: Vec::new() };
     for (i, op) in at.ops.iter().enumerate() {
         wired.op(at, 1 << i, op);
+        wired.comparisons.extend(cuts(at, op).map(|(slot, changes)| (slot, 1 << i, changes)));
     }
     let inner = wired.wiring.readers.iter().fold(0, |all, readers| all | readers);
     wired.wiring.leaves = expressions(at) & !inner;
@@ -221,6 +223,24 @@ fn alphabet(at: &Positions, wiring: &Wiring) -> Option<Alphabet> {
 }
 
 impl Wired {
+    /// Notes at the slots what they make due in the group of that number.
+    fn wake(&self, at: &Positions, group: usize, slots: &mut [Slot]) {
+        for &(number, ops) in &self.slots {
+            let Some(slot) = slots.get_mut(number) else { continue };
+            slot.wakes.push(Wake { group, ops, letter: self.letter(at, ops) });
+            let comparisons = || self.comparisons.iter().filter(|(of, ..)| *of == number);
+            let others = comparisons().fold(ops, |others, (_, me, _)| others & !me);
+            if others != 0 {
+                slot.every.push(Wake { group, ops: others, letter: Wake::NO_LETTER });
+            }
+            for (_, me, changes) in comparisons() {
+                let letter = self.wiring.alphabet.as_ref().map_or(Wake::NO_LETTER, |alphabet| alphabet.letter(*me));
+                let wake = Wake { group, ops: *me, letter };
+                slot.cuts.extend(changes.iter().map(|&at| Cut { at, wake }));
+            }
+        }
+    }
+
     /// The letter of a signal that these operators read.
     fn letter(&self, at: &Positions, ops: u64) -> u32 {
         let are_bare = bits(ops).all(|i| matches!(at.ops[i], Op::Slot { .. }));

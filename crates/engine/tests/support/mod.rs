@@ -1,8 +1,11 @@
-//! Programs of a text over columns.
+//! Programs of a text over columns, traces by chance, and everything that comes of them.
+#![allow(dead_code)] // No test needs all of it.
 
 use lapwing_check::{TraceShape, check, compile::compile, load};
 use lapwing_diag::SourceMap;
-use lapwing_engine::Program;
+use lapwing_engine::inputs::Inputs;
+use lapwing_engine::{Ending, Output, Program, State};
+use lapwing_stream::{Sample, Time, Value, What};
 
 /// The program of a specification over these columns.
 pub fn program(text: &str, columns: &[&str]) -> Program {
@@ -14,4 +17,45 @@ pub fn program(text: &str, columns: &[&str]) -> Program {
     let checked = check(&sources, &loaded, Some(&shape));
     assert!(!checked.has_errors(), "{text}: {:?}", checked.diagnostics);
     compile(&checked.spec)
+}
+
+/// Reproducible chance.
+pub fn chance(seed: u64) -> impl FnMut() -> u64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state >> 33
+    }
+}
+
+/// A clock that stands still, goes on and leaps.
+pub fn clock(seed: u64) -> impl FnMut() -> i64 {
+    let (mut next, mut now) = (chance(seed ^ 0x5eed), 0);
+    move || {
+        now += match next() % 20 {
+            0..4 => 0,
+            19 => 50_000_000,
+            n => n as i64 * 250_000,
+        };
+        now
+    }
+}
+
+/// All that is told, in words, with the signals then, and the outcomes; saved and resumed now and then.
+pub fn run<const N: usize>(program: &Program, rows: &[(i64, [Value; N])]) -> (Vec<String>, String) {
+    let (mut state, mut told) = (State::new(program), Vec::new());
+    for (n, (time, cells)) in rows.iter().enumerate() {
+        let time = Time(*time);
+        let mut tell = |inputs: &Inputs, output: Output<'_>| {
+            let seen: Vec<_> = (0..program.slots.len()).map(|slot| inputs.value(slot).clone()).collect();
+            told.push(format!("{output:?} {seen:?}"));
+        };
+        state.feed(program, Sample { time, what: What::Row { cells } }, &mut tell);
+        if n % 100 == 99 {
+            state = State::resume(program, &state.save(program)).unwrap_or_else(|e| panic!("{e}"));
+            state.feed(program, Sample { time, what: What::Other }, &mut tell);
+        }
+    }
+    let outcomes = state.finish(program, &Ending::default(), &mut ());
+    (told, format!("{outcomes:?}"))
 }
