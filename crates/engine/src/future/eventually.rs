@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
 use super::{Decided, Moment, Operand, Pass, ends};
-use crate::program::Bound;
+use crate::program::{Bound, Future};
 use crate::runs::Runs;
 use crate::times::{Pos, Times};
 
@@ -103,14 +103,16 @@ impl State {
 
 pub(crate) fn step(
     state: &mut State,
-    context: u32,
+    node: &Future,
     bound: &Bound,
     operand: Operand<'_>,
     pass: &Pass<'_>,
     out: &mut Vec<Decided>,
 ) {
-    if let Some(n) = pass.position(context) {
+    if let Some(n) = pass.asked(node) {
         state.open.push(n);
+    }
+    if let Some(n) = pass.position(node.context) {
         state.unknown.push(n);
     }
     if let Moment::Deadline { at, closed } = pass.moment
@@ -131,7 +133,7 @@ pub(crate) fn step(
     if recheck && state.open.first().is_some_and(|k| k < state.late) {
         state.give_up_late(bound, pass, out);
     }
-    if pass.closes(context) {
+    if pass.closes(node.context) {
         state.open.drain(|from, to| out.push(Decided { from, to, value: false }));
         state.unknown.clear();
     }

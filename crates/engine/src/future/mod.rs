@@ -67,6 +67,11 @@ impl Pass<'_> {
         }
     }
 
+    /// The new position, where there is one in this node's context, and somebody asks for its value there.
+    fn asked(&self, node: &Future) -> Option<Pos> {
+        self.position(node.context).filter(|_| node.asked.is_none_or(|asked| self.view.bool(asked)))
+    }
+
     /// Whether this context's segment closes in this pass.
     fn closes(&self, context: u32) -> bool {
         self.moment == Moment::Close && self.segments[context as usize].closes
@@ -160,11 +165,11 @@ impl FutureState {
             }
             (FutureState::And(s), FutureKind::And(l, r)) => and::step(s, node.context, of(l), of(r), pass, out),
             (FutureState::Eventually(s), FutureKind::Eventually(bound, f)) => {
-                eventually::step(s, node.context, bound, of(f), pass, out);
+                eventually::step(s, node, bound, of(f), pass, out);
             }
             (FutureState::Next(s), FutureKind::Next(f)) => next::step(s, node.context, of(f), pass, out),
             (FutureState::Until(s), FutureKind::Until(bound, l, r)) => {
-                until::step(s, node.context, bound, (*l, *r), pass, out);
+                until::step(s, node, bound, (*l, *r), pass, out);
             }
             (FutureState::After(s), FutureKind::After { x, body, .. }) => {
                 scope::step_after(s, node.context, *x, of(body), pass, out);

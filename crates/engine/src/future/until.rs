@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
 use super::{Decided, Moment, Pass, ends};
-use crate::program::{Bit, Bound};
+use crate::program::{Bit, Bound, Future};
 use crate::runs::Runs;
 use crate::times::{Pos, Times};
 
@@ -34,14 +34,16 @@ impl State {
 
 pub(crate) fn step(
     state: &mut State,
-    context: u32,
+    node: &Future,
     bound: &Bound,
     (left, right): (Bit, Bit),
     pass: &Pass<'_>,
     out: &mut Vec<Decided>,
 ) {
-    if let Some(n) = pass.position(context) {
+    if let Some(n) = pass.asked(node) {
         state.open.push(n);
+    }
+    if let Some(n) = pass.position(node.context) {
         if pass.view.bool(right)
             && let Some((first, last)) = pass.looking_at(n, bound)
         {
@@ -65,7 +67,7 @@ pub(crate) fn step(
                 }
             }
         }
-        _ if pass.closes(context) => state.open.drain(|from, to| out.push(Decided { from, to, value: false })),
+        _ if pass.closes(node.context) => state.open.drain(|from, to| out.push(Decided { from, to, value: false })),
         _ => {}
     }
 }

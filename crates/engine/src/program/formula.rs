@@ -82,6 +82,17 @@ pub struct Future {
     pub context: ContextId,
     /// What it is.
     pub kind: FutureKind,
+    /// Where somebody asks for its value: at the positions where this holds; everywhere where it is none.
+    /// [`Program::link`](super::Program::link) fills it.
+    #[serde(skip)]
+    pub asked: Option<Bit>,
+}
+
+impl Future {
+    /// A node whose value is asked for everywhere.
+    pub fn new(context: ContextId, kind: FutureKind) -> Future {
+        Future { context, kind, asked: None }
+    }
 }
 
 /// The kinds of future nodes.
@@ -122,6 +133,22 @@ pub enum FutureKind {
     /// A formula beyond the operators above (a scope that opens or closes on a future formula, an `until` of future formulas):
     /// evaluated anew from the values of its parts whenever something is new.
     Replay(Replay),
+}
+
+impl FutureKind {
+    /// The nodes that it stands on.
+    pub fn operands(&self) -> impl Iterator<Item = FutureRef> {
+        let (one, other) = match self {
+            FutureKind::And(l, r) => (Some(*l), Some(*r)),
+            FutureKind::Eventually(_, of) | FutureKind::Next(of) => (Some(*of), None),
+            FutureKind::After { body, .. }
+            | FutureKind::UntilScope { body, .. }
+            | FutureKind::Each { body, .. }
+            | FutureKind::Gate { body, .. } => (Some(*body), None),
+            FutureKind::State(_) | FutureKind::Until(..) | FutureKind::Replay(_) => (None, None),
+        };
+        one.into_iter().chain(other)
+    }
 }
 
 /// A formula evaluated from stored values: nodes by number, each standing on those before it; the last is the formula.

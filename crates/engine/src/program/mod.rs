@@ -1,5 +1,6 @@
 //! The program: what a checked specification compiles to. Plain data, immutable once built; numbers index the vectors beside them.
 
+mod asked;
 mod code;
 mod cuts;
 mod formula;

@@ -101,6 +101,7 @@ impl Program {
             if let Some(wired) = &wired {
                 wired.wake(&group.at, number, &mut self.slots);
             }
+            group.ask();
             group.at.wiring = wired.map(|w| w.wiring);
             group.rests = group.may_rest();
             group.verdicts = if group.rests { group.verdicts() } else { 0 };
