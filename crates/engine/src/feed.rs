@@ -3,7 +3,7 @@
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-use lapwing_stream::{Sample, Time};
+use lapwing_stream::{Sample, Time, What};
 use serde::{Deserialize, Serialize};
 
 use crate::inputs::Inputs;
@@ -58,9 +58,16 @@ impl State {
     #[inline]
     pub fn feed(&mut self, program: &Program, sample: Sample<'_>, observer: &mut impl Observer) {
         let now = sample.time.0;
-        if self.piece.is_quiet_until(now) || self.reach(program, now, observer) {
-            self.piece.take(program, sample, observer);
+        if self.piece.is_quiet_until(now) {
+            if let What::Row { cells } = sample.what
+                && self.piece.skim(program, now, cells, observer)
+            {
+                return;
+            }
+        } else if !self.reach(program, now, observer) {
+            return;
         }
+        self.piece.take(program, sample, observer);
     }
 
     /// Time goes on to `now`, or back. Returns whether what comes then still counts.

@@ -1,22 +1,20 @@
 //! Properties with the same positions, stepped together.
 
 use alloc::boxed::Box;
-use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
 use lapwing_stream::{Time, Value};
 use serde::{Deserialize, Serialize};
 
 use crate::automaton::{Automaton, Move};
-use crate::future::{Decided, Graph, Moment, Segment, step_segments};
+use crate::future::{Graph, Moment, step_segments};
 use crate::inputs::{Due, Inputs};
+use crate::looks::LookState;
 use crate::margin::Margins;
-use crate::node::View;
 use crate::outcome::{Observer, Output};
-use crate::past::{Here, NOW, once};
-use crate::program::{Alphabet, At, Bound, Group, Judged, Look, LookKind};
-use crate::runs::Runs;
-use crate::times::{Pos, Times};
+use crate::past::{Here, NOW};
+use crate::program::{Alphabet, At, Group, Judged};
+use crate::times::Times;
 use crate::tracker::{TrackerState, is_obliged};
 use crate::walk::Walk;
 
@@ -41,10 +39,12 @@ pub(crate) struct Core {
     pub times: Times,
     pub graph: Graph,
     pub trackers: Vec<TrackerState>,
-    looks: Vec<LookState>,
+    pub(crate) looks: Vec<LookState>,
     pub positions: u64,
     /// Whether positions at which nothing is due need only be counted from now on.
     rests: bool,
+    /// Whether that is so of a group with segments or future operators, for as long as nothing is due.
+    pub(crate) idles: bool,
     /// How many instants have been looked at, or made up for.
     pub stepped: u64,
     /// The number of faults that have spoilt what stands on them.
@@ -67,6 +67,7 @@ impl Core {
             looks: plan.looks.iter().map(LookState::new).collect(),
             positions: 0,
             rests: false,
+            idles: false,
             stepped: 0,
             spoilt_by: 0,
             overflowed: false,
@@ -77,7 +78,7 @@ impl Core {
     /// Computes margins as well, from now on.
     pub fn measure(&mut self, plan: &Group, inputs: &Inputs, limit: usize) {
         let view = self.walk.view(here(plan, inputs, 0, &self.key));
-        self.rests = false;
+        (self.rests, self.idles) = (false, false);
         self.margins = Some(Box::new(Margins::new(&plan.margins, limit, view)));
     }
 
@@ -90,7 +91,7 @@ impl Core {
     /// counted. [`NOW`] where it does not.
     #[inline]
     pub fn rests_until(&self) -> i64 {
-        if self.rests { self.walk.quiet_until() } else { NOW }
+        if self.rests || self.idles { self.walk.quiet_until() } else { NOW }
     }
 
     /// Counts the instants that were not looked at, of `instants` in all until now, the last at `last`: at each of them the verdicts were
@@ -98,6 +99,8 @@ impl Core {
     pub fn catch_up(&mut self, plan: &Group, instants: u64, last: i64) {
         if plan.rests {
             self.make_up_until(plan, instants, last, self.walk.word());
+        } else if self.idles {
+            self.make_up_idle(plan, instants, last);
         }
         self.stepped = instants;
     }
@@ -129,6 +132,9 @@ impl Core {
         tell: &mut impl Observer,
     ) {
         if !self.rests {
+            if self.idles {
+                self.make_up_idle(plan, when.number, when.before);
+            }
             self.stepped = when.number + 1;
             self.step_any((plan, automaton), inputs, due.ops, when.now, limit, tell);
         } else if let Some(alphabet) = plan.alphabet()
@@ -195,6 +201,7 @@ impl Core {
         limit: usize,
         tell: &mut impl Observer,
     ) {
+        let before = self.walk.last.map(|_| self.walk.word());
         let is_position = self.walk.enter(automaton, here(plan, inputs, now, &self.key), due);
         self.rests = plan.rests && self.walk.started && self.margins.is_none();
         self.spoil(plan);
@@ -211,7 +218,12 @@ impl Core {
         if self.overflowed {
             return;
         }
-        if plan.is_plain() { self.judge(plan, inputs, now, tell) } else { self.decide(plan, inputs, now, limit, tell) }
+        if plan.is_plain() {
+            self.judge(plan, inputs, now, tell);
+        } else {
+            self.decide(plan, inputs, now, limit, tell);
+            self.idles = plan.idles && before == Some(self.walk.word()) && self.is_still();
+        }
     }
 
     /// Operators that met a value of another kind than they need spoil what stands on them.
@@ -331,6 +343,7 @@ impl Core {
         let open = self.trackers.iter().filter_map(|t| t.open.first()).min();
         let keep = [self.graph.oldest(), open].into_iter().flatten().min().unwrap_or(n);
         self.times.forget_before(keep);
+        // Whatever is open has a run here.
         let runs = self.graph.runs() + self.trackers.iter().map(|t| t.open.len()).sum::<usize>();
         if runs > limit {
             self.give_up(plan);
@@ -351,7 +364,7 @@ impl Core {
     /// The monitor starts afresh after so many instants, the last at `last`; what it has counted stands.
     pub fn start_afresh(&mut self, plan: &Group, inputs: &Inputs, instants: u64, last: i64) {
         self.catch_up(plan, instants, last);
-        self.rests = false;
+        (self.rests, self.idles) = (false, false);
         self.walk.start_afresh(&plan.at, inputs);
         self.times = Times::default();
         self.graph = Graph::new(&plan.contexts, &plan.futures);
@@ -396,97 +409,5 @@ fn alarm(inputs: &Inputs, property: usize, key: &[Option<Value>], began: i64, fa
     if key.iter().all(Option::is_some) {
         let (began, failed) = (Time(began), Time(failed));
         tell.output(inputs, Output::Alarm { property, instance: key, began, failed, why: None });
-    }
-}
-
-/// Whether a scope is looked at, and how often it was entered.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-struct LookState {
-    /// Whether the latest position is looked at.
-    now: bool,
-    /// Whether a position before is looked at that has not had its X.
-    pending: bool,
-    /// What it saw at the position before.
-    before: bool,
-    /// Stamps of positions that are looked at, before and after the lower end of a bound.
-    queue: VecDeque<i64>,
-    reached: Option<i64>,
-    /// Positions that are looked at and where the future formula is unknown.
-    asked: Runs,
-    /// Entries: inside the innermost context that awaits its X, inside the next, …, and last those that count.
-    counts: Vec<u64>,
-}
-
-impl LookState {
-    fn new(look: &Look) -> LookState {
-        LookState { counts: alloc::vec![0; look.awaits.len() + 1], ..LookState::default() }
-    }
-
-    /// The graph decided something.
-    fn decide(&mut self, look: &Look, decided: &[Vec<Decided>]) {
-        let LookKind::Proves { formula, .. } = look.kind else { return };
-        for d in &decided[formula.id as usize] {
-            let holds = d.value != formula.negated;
-            let count = &mut self.counts[0];
-            self.asked.take(d.from, d.to, |a, b| *count += if holds { b - a + 1 } else { 0 });
-        }
-    }
-
-    fn step(&mut self, look: &Look, n: Pos, segments: &[Segment], looks: &[LookState], view: &View<'_>) {
-        let segment = &segments[look.context as usize];
-        if segment.closes || segment.first {
-            (self.pending, self.before, self.reached) = (false, false, None);
-            self.queue.clear();
-        }
-        for (i, &context) in look.awaits.iter().enumerate() {
-            let awaited = &segments[context as usize];
-            if awaited.closes {
-                let entries = core::mem::take(&mut self.counts[i]);
-                self.counts[i + 1] += if awaited.closed_by_own { entries } else { 0 };
-            }
-        }
-        self.now = segment.active && self.sees(look, n, segment, looks, view);
-        self.counts[0] += u64::from(self.now);
-    }
-
-    fn sees(&mut self, look: &Look, n: Pos, segment: &Segment, looks: &[LookState], view: &View<'_>) -> bool {
-        let at = |of: u32| looks[of as usize].now;
-        match look.kind {
-            LookKind::First => segment.first,
-            LookKind::Within(bound) => {
-                bound == Bound::ALL || bound.contains(view.now.saturating_sub(segment.start_stamp))
-            }
-            LookKind::Same { of } => at(of),
-            LookKind::Proves { of, .. } => {
-                if at(of) {
-                    self.asked.push(n);
-                }
-                false
-            }
-            LookKind::Where { of, x } => at(of) && view.bool(x),
-            LookKind::Unless { of, x } => at(of) && !view.bool(x),
-            LookKind::Next { of } => core::mem::replace(&mut self.before, at(of)),
-            LookKind::From { of, bound } => once(&bound, at(of), view.now, &mut self.queue, &mut self.reached),
-            LookKind::FirstWith { of, x } => {
-                self.pending |= at(of);
-                let here = self.pending && view.bool(x);
-                self.pending &= !here;
-                here
-            }
-            LookKind::Opens { of, x, y } => {
-                self.before |= at(of);
-                self.pending |= at(of);
-                let (opens, closes) = (self.pending && view.bool(x), view.bool(y));
-                // A close, also at the opening position, lets the search go on.
-                self.pending = (self.pending && !opens) || (closes && self.before);
-                opens
-            }
-            LookKind::Runs { of, x } => {
-                self.pending |= at(of);
-                let here = view.bool(x);
-                let was_here = core::mem::replace(&mut self.before, here);
-                here && (at(of) || (self.pending && !was_here))
-            }
-        }
     }
 }

@@ -121,18 +121,14 @@ impl Piece {
     #[inline]
     pub(crate) fn take(&mut self, program: &Program, sample: Sample<'_>, tell: &mut impl Observer) {
         let now = sample.time.0;
-        if let What::Row { cells } = sample.what
-            && self.skim(program, now, cells, tell)
-        {
-            return;
-        }
         self.newest = now;
         self.last = Some(now);
         if !matches!(sample.what, What::Other) {
             self.t0.get_or_insert(now);
             self.take_in(program, sample);
-            if program.clock == Clock::Events {
-                self.instant(program, now, tell);
+            // Nothing that could happen by itself has changed where nothing was stepped.
+            if program.clock == Clock::Events && !self.instant(program, now, tell) && now < self.quiet_until {
+                return;
             }
         }
         if self.is_timed {
@@ -235,11 +231,12 @@ impl Piece {
         self.inputs.end_instant();
     }
 
-    /// An instant that all share.
+    /// An instant that all share. Returns whether anything was stepped at it.
     #[inline]
-    fn instant(&mut self, program: &Program, now: i64, tell: &mut impl Observer) {
+    fn instant(&mut self, program: &Program, now: i64, tell: &mut impl Observer) -> bool {
         // PERF: most instants of most recordings change nothing that matters; where all rest they cost no more than this.
-        if self.inputs.woken || now >= self.calm_until {
+        let wakes = self.inputs.woken || now >= self.calm_until;
+        if wakes {
             let letter = self.inputs.due.first().map_or(0, |due| due.letter);
             if self.glide(program, now, letter, tell) {
                 self.inputs.settle();
@@ -251,6 +248,7 @@ impl Piece {
         self.last_instant = now;
         tell.output(&self.inputs, Output::Instant(Time(now)));
         self.inputs.end_instant();
+        wakes
     }
 
     /// An instant of the only group of a program without machines, where all that it takes is a move of the automaton that is known. Returns

@@ -161,6 +161,11 @@ impl TrackerState {
         });
     }
 
+    /// Whether nothing is open, and no failure can join an episode.
+    pub fn is_idle(&self) -> bool {
+        self.open.is_empty() && self.live.is_empty()
+    }
+
     /// What is open is given up, and whatever fails from here on is another episode. What was counted stands.
     pub fn start_afresh(&mut self) {
         self.open.clear();

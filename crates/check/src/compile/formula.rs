@@ -44,6 +44,7 @@ impl GroupLowering {
             looks: self.looks,
             margins: self.margins,
             rests: false,
+            idles: false,
             verdicts: 0,
         }
     }

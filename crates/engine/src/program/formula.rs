@@ -27,6 +27,10 @@ pub struct Group {
     /// fills it.
     #[serde(skip)]
     pub rests: bool,
+    /// Whether, else, its positions need only be counted as long as nothing changes and nothing is open.
+    /// [`Program::link`](super::Program::link) fills it.
+    #[serde(skip)]
+    pub idles: bool,
     /// The operators whose truth values are verdicts, as bits, where it rests. [`Program::link`](super::Program::link) fills it.
     #[serde(skip)]
     pub verdicts: u64,

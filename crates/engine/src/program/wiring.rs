@@ -104,6 +104,7 @@ impl Program {
             group.ask();
             group.at.wiring = wired.map(|w| w.wiring);
             group.rests = group.may_rest();
+            group.idles = group.may_idle();
             group.verdicts = if group.rests { group.verdicts() } else { 0 };
         }
         self.slots.iter_mut().for_each(|slot| slot.cuts.sort_by(|a, b| a.at.total_cmp(&b.at)));

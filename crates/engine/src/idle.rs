@@ -1,0 +1,70 @@
+//! Groups with segments or future operators, while nothing happens to them.
+//!
+//! Where a position left everything as it was, with nothing open and no segment beginning or ending at it, the next one does the same
+//! if no operator changes: its obligations are met where they arise, and scopes are entered as they were. Such positions are only counted,
+//! and made up for when something is due again.
+
+use crate::group::Core;
+use crate::program::{At, Bound, FutureKind, Group, LookKind};
+
+impl Group {
+    /// Whether it may idle at all: nothing in it depends on how long its segments have lasted, or runs at every position.
+    pub(crate) fn may_idle(&self) -> bool {
+        let untimed = self.at.alphabet.is_none() && self.at.ages.is_empty() && self.at.slices.is_empty();
+        let is_wired = self.at.wiring.as_ref().is_some_and(|wiring| wiring.always == 0);
+        let steady = self.trackers.iter().all(|t| matches!(t.at, At::First | At::All));
+        !self.is_plain() && untimed && is_wired && steady && self.looks_stand_still() && self.futures_stand_still()
+    }
+
+    fn looks_stand_still(&self) -> bool {
+        self.looks.iter().all(|look| match look.kind {
+            LookKind::Within(bound) | LookKind::From { bound, .. } => bound == Bound::ALL,
+            LookKind::Proves { .. } => false,
+            _ => true,
+        })
+    }
+
+    fn futures_stand_still(&self) -> bool {
+        self.futures.iter().all(|future| {
+            let kind = &future.kind;
+            matches!(
+                kind,
+                FutureKind::State(_) | FutureKind::And(..) | FutureKind::Eventually(..) | FutureKind::Until(..)
+            )
+        })
+    }
+}
+
+impl Core {
+    /// Whether the latest position left everything as it was, and nothing open.
+    pub(crate) fn is_still(&self) -> bool {
+        self.margins.is_none()
+            && !self.overflowed
+            && self.graph.runs() == 0
+            && self.graph.segments.iter().all(|segment| !segment.first && !segment.closes)
+            && self.trackers.iter().all(|tracker| tracker.is_idle())
+            && self.looks.iter().all(|look| look.is_still)
+    }
+
+    /// Counts the instants before the one with that number that were not looked at, the last of them at `last`.
+    #[inline(never)]
+    pub(crate) fn make_up_idle(&mut self, plan: &Group, number: u64, last: i64) {
+        self.idles = false;
+        let missed = number.saturating_sub(self.stepped);
+        if missed == 0 {
+            return;
+        }
+        self.stepped = number;
+        self.positions += missed;
+        self.times.skip(missed);
+        self.walk.last = Some(last);
+        for (state, tracker) in self.trackers.iter_mut().zip(&plan.trackers) {
+            if tracker.at == At::All && self.graph.segments[tracker.context as usize].active && !state.is_spoilt {
+                state.met += missed;
+            }
+        }
+        for look in &mut self.looks {
+            look.counts[0] += if look.now { missed } else { 0 };
+        }
+    }
+}
