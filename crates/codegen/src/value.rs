@@ -205,12 +205,19 @@ fn compare(op: Compare, a: Expr, b: Expr, margin: Option<Expr>) -> Expr {
             Compare::Ne => a.ne(b),
         };
     };
-    let near = |a: Expr, b: Expr, m: Expr| a.clone().eq(b.clone()) | call(Helper::Abs, vec![a - b]).le(m);
+    let same_infinity = |a: Expr, b: Expr| a.clone().eq(b) & call(Helper::Abs, vec![a]).eq(Expr::Float(f64::INFINITY));
+    let near = |a: Expr, b: Expr, m: Expr| {
+        call(Helper::Abs, vec![a.clone() - b.clone()]).le(m) | same_infinity(a, b)
+    };
+    // Infinities stay what they are beside a finite margin.
+    let is_finite = matches!(m, Expr::Float(m) if m.is_finite());
     match op {
         Compare::Lt => a.lt(b + m),
-        Compare::Le => a.le(b + m),
+        Compare::Le if is_finite => a.le(b + m),
+        Compare::Le => a.clone().le(b.clone() + m) | same_infinity(a, b),
         Compare::Gt => a.gt(b - m),
-        Compare::Ge => a.ge(b - m),
+        Compare::Ge if is_finite => a.ge(b - m),
+        Compare::Ge => a.clone().ge(b.clone() - m) | same_infinity(a, b),
         Compare::Eq => near(a, b, m),
         Compare::Ne => !near(a, b, m),
     }

@@ -6,14 +6,14 @@ use crate::program::{Compare, Func};
 const PI: f64 = core::f64::consts::PI;
 const TAU: f64 = 2.0 * PI;
 
-/// A comparison with a margin; equal infinities are equal, NaN is only ever unequal.
+/// A comparison with a margin; equal infinities are equal whatever the margin, NaN is only ever unequal.
 #[inline]
 pub fn compare(op: Compare, a: f64, b: f64, margin: f64) -> bool {
     match op {
         Compare::Lt => a < b + margin,
-        Compare::Le => a <= b + margin,
+        Compare::Le => a <= b + margin || is_same_infinity(a, b),
         Compare::Gt => a > b - margin,
-        Compare::Ge => a >= b - margin,
+        Compare::Ge => a >= b - margin || is_same_infinity(a, b),
         Compare::Eq => equal(a, b, margin),
         Compare::Ne => !equal(a, b, margin),
     }
@@ -21,7 +21,12 @@ pub fn compare(op: Compare, a: f64, b: f64, margin: f64) -> bool {
 
 #[inline]
 fn equal(a: f64, b: f64, margin: f64) -> bool {
-    a == b || libm::fabs(a - b) <= margin
+    libm::fabs(a - b) <= margin || is_same_infinity(a, b)
+}
+
+#[inline]
+fn is_same_infinity(a: f64, b: f64) -> bool {
+    a == b && a.is_infinite()
 }
 
 /// A function of numbers alone. The number of arguments was checked; a missing one counts as NaN.

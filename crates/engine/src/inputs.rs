@@ -174,6 +174,10 @@ impl Inputs {
             }
             _ => {
                 self.woken = true;
+                // The band was that of the number before.
+                if let (Some(band), Value::Num(_)) = (self.bands.get_mut(slot), value) {
+                    *band = Band::default();
+                }
                 let letters = replace(to, value);
                 wake(&mut self.due, wakes, letters);
             }

@@ -118,7 +118,7 @@ impl Piece {
     }
 
     /// Takes a sample in; its time has come.
-    #[inline]
+    #[inline(never)]
     pub(crate) fn take(&mut self, program: &Program, sample: Sample<'_>, tell: &mut impl Observer) {
         let now = sample.time.0;
         self.newest = now;

@@ -33,7 +33,7 @@ impl Piece {
     /// Takes a row in, at an instant of its own, if all that it takes is a move of the automaton that is known. Returns whether that was so;
     /// else it has to be taken in as any other.
     // PERF: what `take` does, of which nothing is left out but what such a program does not have.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn skim(&mut self, program: &Program, now: i64, cells: &[Value], tell: &mut impl Observer) -> bool {
         if program.letters.is_empty() {
             return false;

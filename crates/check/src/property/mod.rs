@@ -98,7 +98,6 @@ fn instance_of(cx: &mut Cx, item: usize, judged: &Judged, all: &Instances, insta
     }
     let formula = if cx.found.failed { crate::context::poison(judged.span) } else { cx.formula_of(&env, &body) };
     let mut uses = Uses::of(&cx.spec.inputs, &cx.machines, &formula);
-    let slices = slices(cx, &all.slices, &uses);
     if let Some(over) = judged.over {
         let listed: Vec<usize> = over.iter().filter_map(|event| listed_event(cx, &env, event)).collect();
         if uses.signals {
@@ -106,6 +105,7 @@ fn instance_of(cx: &mut Cx, item: usize, judged: &Judged, all: &Instances, insta
         }
         uses.events.extend(listed);
     }
+    let slices = slices(cx, &all.slices, &uses);
     let only_events = !uses.signals && !uses.events.is_empty();
     let name = format!("{}{}", blank.name, instance.suffix());
     cx.spec.properties.push(Property {
@@ -157,7 +157,7 @@ fn of_machine(cx: &mut Cx, item: usize, ast: &ast::Machine, span: Span) {
     });
 }
 
-/// The slices, each with the field of its name in every event of the formula that has one.
+/// The slices, each with the field of its name in every event that the property names, in its formula or after `over`, and that has one.
 fn slices(cx: &mut Cx, slices: &[(String, usize, crate::checked::Path)], uses: &Uses) -> Vec<Slice> {
     let mut built = Vec::new();
     for (_, event, path) in slices {
