@@ -206,9 +206,7 @@ fn compare(op: Compare, a: Expr, b: Expr, margin: Option<Expr>) -> Expr {
         };
     };
     let same_infinity = |a: Expr, b: Expr| a.clone().eq(b) & call(Helper::Abs, vec![a]).eq(Expr::Float(f64::INFINITY));
-    let near = |a: Expr, b: Expr, m: Expr| {
-        call(Helper::Abs, vec![a.clone() - b.clone()]).le(m) | same_infinity(a, b)
-    };
+    let near = |a: Expr, b: Expr, m: Expr| call(Helper::Abs, vec![a.clone() - b.clone()]).le(m) | same_infinity(a, b);
     // Infinities stay what they are beside a finite margin.
     let is_finite = matches!(m, Expr::Float(m) if m.is_finite());
     match op {
