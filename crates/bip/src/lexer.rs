@@ -114,6 +114,7 @@ impl<'a> Lexer<'a> {
                 self.push(TokenKind::Name, start);
             }
             Some(c) if c.is_ascii_digit() => self.number(start),
+            Some('.') if self.begins_fraction() => self.number(start),
             Some('"') => self.text_literal(start),
             Some(c) => self.sign(start, c),
             None => {}
@@ -124,8 +125,8 @@ impl<'a> Lexer<'a> {
         let digit = |c: char| c.is_ascii_digit();
         self.take_while(digit);
         let mut kind = TokenKind::Int;
-        let rest = self.rest().as_bytes();
-        if rest.first() == Some(&b'.') && rest.get(1).is_some_and(u8::is_ascii_digit) {
+        // `1.` and `.5` are numbers too.
+        if self.rest().starts_with('.') && !self.rest().starts_with("..") {
             kind = TokenKind::Real;
             self.at += 1;
             self.take_while(digit);
@@ -140,6 +141,12 @@ impl<'a> Lexer<'a> {
             kind = TokenKind::Bad;
         }
         self.push(kind, start);
+    }
+
+    /// Whether a point begins a number, as in `.5`, and no field of what stands before it.
+    fn begins_fraction(&self) -> bool {
+        let follows_name = self.lexed.tokens.last().is_some_and(|t| t.kind == TokenKind::Name);
+        !follows_name && self.rest().as_bytes().get(1).is_some_and(u8::is_ascii_digit)
     }
 
     fn text_literal(&mut self, start: usize) {
