@@ -96,8 +96,9 @@ impl<'a> Lexer<'a> {
 
     fn block_comment(&mut self) {
         let start = self.at;
-        match self.rest().find("*/") {
-            Some(end) => self.at += end + 2,
+        // The star of `/*` is not the one of `*/`: `/*/` only begins a comment.
+        match self.rest().get(2..).and_then(|inside| inside.find("*/")) {
+            Some(end) => self.at += end + 4,
             None => {
                 self.at = start + 2;
                 self.report(Code::UnclosedBracket, start, "this comment has no end");
