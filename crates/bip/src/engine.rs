@@ -104,6 +104,8 @@ struct Scratch {
     masks: Vec<Window>,
     active: Vec<bool>,
     reached: Vec<u32>,
+    /// Inner moves that are seen outside of their compounds.
+    seen: Bits,
     wait: Option<Window>,
 }
 
@@ -118,7 +120,8 @@ impl<H: Host> Engine<H> {
             window: Window::NONE,
             due: i64::MAX,
             // An external port misses an event as well.
-            missing: m.leaves.len() as u32 + u32::from(id >= model.first_external as usize),
+            missing: m.leaves.len() as u32
+                + u32::from((model.first_external..model.first_inner).contains(&(id as u32))),
         };
         let mut engine = Engine {
             host,
@@ -135,9 +138,9 @@ impl<H: Host> Engine<H> {
             bounds: vec![Window::ALL; model.atoms.len()],
             changing: Bits::new(model.atoms.len()),
             pending: Vec::new(),
-            queues: model.moves.iter().skip(model.first_external as usize).map(|_| Queue::default()).collect(),
+            queues: (model.first_external..model.first_inner).map(|_| Queue::default()).collect(),
             tables: Tables::new(&model),
-            scratch: Scratch::default(),
+            scratch: Scratch { seen: Bits::new(model.moves.len()), ..Scratch::default() },
             model,
         };
         engine.begin()?;

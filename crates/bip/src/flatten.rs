@@ -106,6 +106,8 @@ struct Builder<'l> {
     ports: Vec<Port>,
     connectors: Vec<Connector>,
     moves: Vec<Move>,
+    /// Inner moves: they come last in the model, and until then are known by their places here.
+    inner: Vec<Move>,
     instances: usize,
     leaves: usize,
 }
@@ -118,6 +120,7 @@ fn build(library: &Library, root: u32) -> Flat<Model> {
         ports: Vec::new(),
         connectors: Vec::new(),
         moves: Vec::new(),
+        inner: Vec::new(),
         instances: 0,
         leaves: 0,
     };
@@ -127,6 +130,8 @@ fn build(library: &Library, root: u32) -> Flat<Model> {
     builder.single_moves(|port| port.external.is_none() && !port.is_exported);
     let first_external = builder.moves.len() as u32;
     builder.single_moves(|port| port.external.is_some());
+    let first_inner = builder.moves.len() as u32;
+    builder.append_inner();
     let rules = builder.rules(&tree)?;
     builder.link(&rules);
     Ok(Model {
@@ -141,6 +146,7 @@ fn build(library: &Library, root: u32) -> Flat<Model> {
         moves: builder.moves,
         first_internal,
         first_external,
+        first_inner,
         rules,
         memory: builder.memory,
     })
@@ -153,10 +159,16 @@ impl Builder<'_> {
             let Some(ty) = self.library.atoms.get(atom.ty as usize) else { continue };
             for (index, _) in ty.ports.iter().enumerate().filter(|(_, p)| wanted(p)) {
                 let leaf = atom.first_port + index as u32;
-                let (nodes, parts) = (Box::default(), Box::default());
-                self.moves.push(Move { connector: u32::MAX, leaves: [leaf].into(), nodes, parts, has_rivals: false });
+                self.moves.push(Move::of_ports([leaf].into()));
             }
         }
+    }
+
+    /// Puts inner moves behind all others.
+    fn append_inner(&mut self) {
+        let first = self.moves.len() as u32;
+        self.moves.append(&mut self.inner);
+        self.moves.iter_mut().flat_map(|m| &mut m.larger).for_each(|place| *place += first);
     }
 
     /// Notes which ports and atoms are of interest to which moves.
@@ -165,7 +177,7 @@ impl Builder<'_> {
         let mut by_atom: Vec<Vec<u32>> = vec![Vec::new(); self.atoms.len()];
         for (id, one) in self.moves.iter_mut().enumerate() {
             let id = id as u32;
-            one.has_rivals |= rules.iter().any(|r| crate::model::among(&r.low, id));
+            one.has_rivals |= rules.iter().any(|r| crate::model::among(&r.within_low, id));
             for leaf in &one.leaves {
                 if let Some(moves) = by_port.get_mut(*leaf as usize) {
                     moves.push(id);

@@ -96,8 +96,9 @@ impl<'a> Lexer<'a> {
 
     fn block_comment(&mut self) {
         let start = self.at;
-        match self.rest().find("*/") {
-            Some(end) => self.at += end + 2,
+        // The star of `/*` is not the one of `*/`: `/*/` only begins a comment.
+        match self.rest().get(2..).and_then(|inside| inside.find("*/")) {
+            Some(end) => self.at += end + 4,
             None => {
                 self.at = start + 2;
                 self.report(Code::UnclosedBracket, start, "this comment has no end");
@@ -114,6 +115,7 @@ impl<'a> Lexer<'a> {
                 self.push(TokenKind::Name, start);
             }
             Some(c) if c.is_ascii_digit() => self.number(start),
+            Some('.') if self.begins_fraction() => self.number(start),
             Some('"') => self.text_literal(start),
             Some(c) => self.sign(start, c),
             None => {}
@@ -124,8 +126,8 @@ impl<'a> Lexer<'a> {
         let digit = |c: char| c.is_ascii_digit();
         self.take_while(digit);
         let mut kind = TokenKind::Int;
-        let rest = self.rest().as_bytes();
-        if rest.first() == Some(&b'.') && rest.get(1).is_some_and(u8::is_ascii_digit) {
+        // `1.` and `.5` are numbers too.
+        if self.rest().starts_with('.') && !self.rest().starts_with("..") {
             kind = TokenKind::Real;
             self.at += 1;
             self.take_while(digit);
@@ -140,6 +142,12 @@ impl<'a> Lexer<'a> {
             kind = TokenKind::Bad;
         }
         self.push(kind, start);
+    }
+
+    /// Whether a point begins a number, as in `.5`, and no field of what stands before it.
+    fn begins_fraction(&self) -> bool {
+        let follows_name = self.lexed.tokens.last().is_some_and(|t| t.kind == TokenKind::Name);
+        !follows_name && self.rest().as_bytes().get(1).is_some_and(u8::is_ascii_digit)
     }
 
     fn text_literal(&mut self, start: usize) {

@@ -1,7 +1,8 @@
 //! A model: instances instead of types, moves instead of connectors, nothing left to resolve.
 //!
 //! It is immutable, and several engines may run it. A [`Move`] is what an engine can do: an interaction, a port of an atom that
-//! is not exported, or an external port with an event. Moves are numbered in this order.
+//! is not exported, or an external port with an event. Moves are numbered in this order. Behind them come inner moves, which nobody makes: what
+//! connectors can do that a compound exports. Outside of it only the largest of these are seen.
 
 use crate::code::{Base, Bool, Memory};
 use crate::host::Signature;
@@ -23,6 +24,8 @@ pub struct Model {
     /// The first move that is no interaction, and the first that is an external port.
     pub(crate) first_internal: u32,
     pub(crate) first_external: u32,
+    /// The first inner move.
+    pub(crate) first_inner: u32,
     pub(crate) rules: Vec<Rule>,
     /// Whether rules can put something above itself, so that states have to be looked at.
     pub(crate) may_cycle: bool,
@@ -75,6 +78,16 @@ pub(crate) struct Move {
     pub parts: Box<[(u32, Part)]>,
     /// Whether another move may go first although both could be made.
     pub has_rivals: bool,
+    /// Inner moves that are larger than what takes part in this one out of a compound: where they are possible, this one is not seen.
+    pub larger: Box<[u32]>,
+}
+
+impl Move {
+    /// What ports of atoms can do without a connector.
+    pub fn of_ports(leaves: Box<[u32]>) -> Move {
+        let (nodes, parts, larger) = (Box::default(), Box::default(), Box::default());
+        Move { connector: u32::MAX, leaves, nodes, parts, has_rivals: false, larger }
+    }
 }
 
 /// Whose variables are shown.
@@ -100,9 +113,25 @@ pub(crate) struct Node {
 pub(crate) struct Rule {
     pub low: Vec<Range<u32>>,
     pub high: Vec<Range<u32>>,
+    /// With maximal progress, what is part of one that yields does so too, and it yields to larger ones as well: moves that are in `low` or
+    /// part of one there, and moves that are in `high` or contain one there, whether those themselves are possible or not.
+    pub within_low: Vec<Range<u32>>,
+    pub around_high: Vec<Range<u32>>,
     pub guard: Option<RuleGuard>,
-    /// Rules whose `low` has a move of this one's `high`.
+    /// Rules whose `within_low` has a move of this one's `around_high`.
     pub next: Vec<u32>,
+}
+
+impl Rule {
+    /// The moves that yield, with or without maximal progress.
+    pub fn yielding(&self, without_maximal_progress: bool) -> &[Range<u32>] {
+        if without_maximal_progress { &self.low } else { &self.within_low }
+    }
+
+    /// The moves that go before them.
+    pub fn preceding(&self, without_maximal_progress: bool) -> &[Range<u32>] {
+        if without_maximal_progress { &self.high } else { &self.around_high }
+    }
 }
 
 /// When a rule holds.
@@ -111,6 +140,15 @@ pub(crate) struct RuleGuard {
     pub condition: Bool,
     pub cells: Box<[u32]>,
     pub objects: Box<[u32]>,
+}
+
+/// Whether ports, in ascending order, are all among others, of which there are more.
+pub(crate) fn is_part(small: &[u32], large: &[u32]) -> bool {
+    if small.len() >= large.len() {
+        return false;
+    }
+    let mut rest = large.iter();
+    small.iter().all(|leaf| rest.any(|other| other == leaf))
 }
 
 /// Whether a move is among several.
@@ -151,7 +189,8 @@ impl Model {
         let ports = &self.atom_types.get(atom.ty as usize)?.ports;
         let index = ports.iter().position(|p| p.name == port && p.external.is_some())? as u32;
         let port = atom.first_port + index;
-        let place = self.moves.get(self.first_external as usize..)?.iter().position(|m| *m.leaves == [port])?;
+        let externals = self.moves.get(self.first_external as usize..self.first_inner as usize)?;
+        let place = externals.iter().position(|m| *m.leaves == [port])?;
         Some(External(place as u32))
     }
 

@@ -55,6 +55,9 @@ fn top(body: &str) -> String {
 #[test]
 fn nothing_is_wrong_with_what_is_right() {
     assert_eq!(faults(&top("connector Pair c(A1.p, A2.q)")), []);
+    // Remarks for compilers in front of the parts of a connector, and numbers without a digit on one side of the point.
+    let noted = "@a connector type C(Data p, Go q) @b(c, d=\"e\") data float f = 1. + .5 @g export port Go r() define p q @h(i) on p q up { f = 2.e3; } end";
+    assert_eq!(faults(noted), []);
     assert_eq!(faults(&atom("on p from a to b provided (n < 3 && (ok || x <= 1.5)) eager do { n = n + 1; }")), []);
     assert_eq!(faults(&atom("on p from a to b provided (!(x > 5 || ok)) do { x = 2; }")), []);
 }

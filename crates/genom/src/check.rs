@@ -56,16 +56,19 @@ fn asynchronous(component: &Component, diagnostics: &mut Vec<Diagnostic>) {
 
 /// Whether the codels of a task fit into its period.
 fn times(component: &Component, id: TaskId, task: &Task, diagnostics: &mut Vec<Diagnostic>) {
-    let runs = !task.codels.is_empty() || component.activities(id).next().is_some();
+    let own = |codel: &&Codel| component.task_of(codel) == Some(id);
     let Some(period) = task.period_ns else {
-        if runs {
-            let message = format!("the task `{}` has no period", task.name);
-            let help = "it runs when something happens in its component, and a pause in it waits for that; for a steady rate write `period 10 ms;`";
-            diagnostics.push(Diagnostic::new(Code::TaskWithoutPeriod, task.span, message).help(help));
+        // A task that waits in an `async` codel, or does something once, wants no period. One that pauses may have lost it.
+        let mut pauses = component.codels.iter().filter(own).flat_map(Codel::yields).filter(|to| to.pause);
+        if let Some(pause) = pauses.next() {
+            let message = format!("the task `{}` has no period, and its codels pause", task.name);
+            let help =
+                "such a pause lasts until something happens in the component; for a steady rate write `period 10 ms;`";
+            let diagnostic = Diagnostic::new(Code::TaskWithoutPeriod, task.span, message);
+            diagnostics.push(diagnostic.also(pause.span, "a pause").help(help));
         }
         return;
     };
-    let own = |codel: &&Codel| component.task_of(codel) == Some(id);
     for codel in component.codels.iter().filter(own) {
         if let Some(wcet) = codel.wcet_ns.filter(|wcet| *wcet > period && !codel.is_async) {
             let message = format!(

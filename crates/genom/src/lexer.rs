@@ -167,7 +167,7 @@ impl<'a> Lexer<'a> {
         self.push_from(Kind::Number, start);
     }
 
-    /// A string or a character, on one line.
+    /// A string or a character, on one line; a string may go on over more.
     fn quoted(&mut self, kind: Kind, quote: char) {
         let (start, mut escaped) = (self.at, false);
         for (at, c) in self.rest().char_indices().skip(1) {
@@ -180,6 +180,10 @@ impl<'a> Lexer<'a> {
                 }
                 _ => escaped = false,
             }
+        }
+        if let Some(length) = (kind == Kind::Text).then(|| over_lines(self.rest())).flatten() {
+            self.at += length;
+            return self.push_from(kind, start);
         }
         let line = self.rest().split('\n').next().unwrap_or("").len();
         self.at += line.max(1);
@@ -206,6 +210,36 @@ impl<'a> Lexer<'a> {
             self.push(Kind::Bad, start, format!("`{}` means nothing here", c.escape_debug()));
         }
     }
+}
+
+/// No string goes on over more lines.
+const MOST_LINES: usize = 100;
+
+/// The length of a string that goes on over several lines, as a `doc` may.
+///
+/// A quote that is only missing must not swallow what follows up to the next string. So what stands after the string has to be what can stand there,
+/// and no directive is in it.
+fn over_lines(text: &str) -> Option<usize> {
+    let (mut lines, mut escaped) = (1, false);
+    for (at, c) in text.char_indices().skip(1) {
+        match c {
+            '\\' => escaped = !escaped,
+            '"' if !escaped => {
+                let after = text.get(at + 1..)?.trim_start().chars().next()?;
+                return ";,:)}\"".contains(after).then_some(at + 1);
+            }
+            '\n' => {
+                lines += 1;
+                let is_directive = text.get(at + 1..)?.trim_start_matches([' ', '\t']).starts_with('#');
+                if lines > MOST_LINES || is_directive {
+                    return None;
+                }
+                escaped = false;
+            }
+            _ => escaped = false,
+        }
+    }
+    None
 }
 
 fn is_word(c: char) -> bool {
@@ -257,5 +291,15 @@ mod tests {
         assert_eq!(kinds, [Kind::Bad, Kind::Bad], "{bad:?}");
         assert_eq!(lex(FileId(0), "@ §").len(), 2);
         assert_eq!(words(r#""a \"b\" \\""#), [r#""a \"b\" \\""#]);
+    }
+
+    #[test]
+    fn a_string_may_go_on_over_lines() {
+        assert_eq!(words("doc \"one\n  \\\"two\\\"\n\" ;"), ["doc", "\"one\n  \\\"two\\\"\n\"", ";"]);
+        // A quote that is missing does not make one string of two.
+        let kinds = |text: &str| lex(FileId(0), text).iter().filter(|t| t.kind == Kind::Bad).count();
+        assert_eq!(kinds("doc \"one;\nlang \"c\";"), 1);
+        assert_eq!(kinds("doc \"one\n#if 1\n\";"), 2);
+        assert_eq!(kinds(&format!("doc \"one{}\";", "\n".repeat(MOST_LINES))), 2);
     }
 }

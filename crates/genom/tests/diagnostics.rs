@@ -93,6 +93,8 @@ fn what_cannot_be_said() {
     finds("clock-rate 5 ms;", &[]);
     finds("port out s r { version \"1\"; };", &["bad-property: version"]);
     finds("native n; port out n r;", &["bad-property: n"]);
+    finds("function F() { async codel f(); };", &["unusual-syntax: f"]);
+    finds("const string k = 3;", &["type-mismatch: 3"]);
     finds("activity A() { task t; codel f(); };", &["bad-property: codel"]);
     finds("function F() { codel<start> f() yield ether; };", &["bad-property: codel"]);
     finds("function all();", &["reserved-word: all"]);
@@ -106,7 +108,9 @@ fn what_cannot_be_said() {
 
 #[test]
 fn times() {
-    finds("task u { codel<start> f() yield ether; };", &["task-without-period: u"]);
+    finds("task u { codel<start> f() yield pause::start; };", &["task-without-period: u"]);
+    finds("task u; activity A() { task u; codel<start> f() yield pause::start, ether; };", &["task-without-period: u"]);
+    finds("task u { codel<start> f() yield g; async codel<g> g() yield g, ether; };", &[]);
     activity("codel<start> f() yield ether wcet 11 ms;", &["wcet-over-period: f"]);
     activity(
         "codel<start> f() yield x wcet 6 ms; codel<x> g() yield pause::x, ether wcet 6 ms;",

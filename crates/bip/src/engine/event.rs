@@ -58,8 +58,9 @@ impl<H: Host> Engine<H> {
 
     /// Whether some atom waits for an event: where nothing else is possible, the run is not at its end then.
     pub fn awaits_events(&self) -> bool {
-        let externals = self.model.moves.iter().skip(self.model.first_external as usize);
-        externals.flat_map(|m| m.leaves.iter()).any(|leaf| self.is_on(&self.model, *leaf))
+        let range = self.model.first_external as usize..self.model.first_inner as usize;
+        let externals = self.model.moves.get(range).unwrap_or(&[]);
+        externals.iter().flat_map(|m| m.leaves.iter()).any(|leaf| self.is_on(&self.model, *leaf))
     }
 
     fn is_on(&self, model: &Model, leaf: u32) -> bool {

@@ -59,7 +59,7 @@ impl<H: Host> Engine<H> {
     pub fn look(&mut self) -> Result<Standing, Fault> {
         let model = Arc::clone(&self.model);
         loop {
-            let wait = self.wait();
+            let wait = self.wait(&model);
             // Before ports change by themselves, nothing that comes later can be promised.
             let change = self.next_change().filter(|at| *at <= wait.last);
             let until = change.map_or(wait, |at| wait.and(Window::until(at - 1)));
@@ -84,7 +84,8 @@ impl<H: Host> Engine<H> {
     }
 
     /// Moments until which time may pass.
-    fn wait(&mut self) -> Window {
+    fn wait(&mut self, model: &Model) -> Window {
+        self.judge_inner(model);
         let mut live = std::mem::take(&mut self.scratch.live);
         live.clear();
         // PERF: all that is enabled is looked at in every step, so this is as short as can be (example `steps`).
@@ -93,6 +94,9 @@ impl<H: Host> Engine<H> {
             let Some(one) = self.moves.get(id as usize).filter(|one| one.window.last >= self.now) else { continue };
             live.push(id);
             due = due.min(one.due);
+        }
+        if (model.first_inner as usize) < model.moves.len() {
+            due = self.without_hidden(model, &mut live);
         }
         self.scratch.live = live;
         let last = if due == i64::MAX { due } else { due.max(self.now) };
@@ -105,6 +109,13 @@ impl<H: Host> Engine<H> {
             }
         }
         wait
+    }
+
+    /// Takes away inner moves, and those that are not seen. Gives the moment until which the others let time pass.
+    fn without_hidden(&mut self, model: &Model, live: &mut Vec<u32>) -> i64 {
+        live.retain(|id| *id < model.first_inner && !self.is_hidden(model, *id));
+        let due = |id: &u32| self.moves.get(*id as usize).map_or(i64::MAX, |one| one.due);
+        live.iter().map(due).min().unwrap_or(i64::MAX)
     }
 
     /// When ports of some atom change although nothing happens.

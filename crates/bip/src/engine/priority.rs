@@ -4,11 +4,10 @@
 //! piece that is not over counts, and the others are looked at when it is.
 
 use super::atom::Found;
-use super::show::is_part;
 use super::{Engine, Fault, computation};
 use crate::code::Table;
 use crate::host::Host;
-use crate::model::{Atom, Model, among};
+use crate::model::{Atom, Model, among, is_part};
 use crate::template;
 use crate::time::Window;
 
@@ -47,6 +46,7 @@ impl<H: Host> Engine<H> {
         masks.clear();
         if !self.rules.without_maximal_progress {
             self.larger(model, live, place, &mut masks);
+            self.inner_masks(model, id, &mut masks);
         }
         if !model.rules.is_empty() {
             self.ruled(model, live, id, &mut masks);
@@ -66,7 +66,7 @@ impl<H: Host> Engine<H> {
         let others = live.get(place + 1..).unwrap_or(&[]);
         let count = others.partition_point(|id| *id < connector.moves.end);
         for id in others.iter().take(count).rev() {
-            let is_larger = model.moves.get(*id as usize).is_some_and(|other| is_part(one, other));
+            let is_larger = model.moves.get(*id as usize).is_some_and(|other| is_part(&one.leaves, &other.leaves));
             if let Some(other) = self.moves.get(*id as usize).filter(|_| is_larger) {
                 masks.push(other.window);
                 if other.window == Window::ALL {
@@ -74,6 +74,38 @@ impl<H: Host> Engine<H> {
                 }
             }
         }
+    }
+
+    /// Windows of inner moves that are larger than what takes part in a move out of a compound.
+    fn inner_masks(&self, model: &Model, id: u32, masks: &mut Vec<Window>) {
+        let larger = model.moves.get(id as usize).map_or(&[][..], |one| &one.larger);
+        for inner in larger.iter().filter(|inner| self.scratch.seen.has(**inner)) {
+            masks.extend(self.moves.get(*inner as usize).map(|m| m.window));
+        }
+    }
+
+    /// Notes which inner moves are seen in this state: those that are possible, and of whose parts none is hidden.
+    pub(super) fn judge_inner(&mut self, model: &Model) {
+        // What a compound is made of comes before it.
+        for id in model.first_inner..model.moves.len() as u32 {
+            let is_seen = self.enabled.has(id) && !self.is_hidden(model, id);
+            if is_seen { self.scratch.seen.add(id) } else { self.scratch.seen.remove(id) }
+        }
+    }
+
+    /// Whether larger moves of a compound that it exports are possible whenever a move is.
+    pub(super) fn is_hidden(&mut self, model: &Model, id: u32) -> bool {
+        let has_larger = model.moves.get(id as usize).is_some_and(|one| !one.larger.is_empty());
+        let Some(window) = self.moves.get(id as usize).map(|m| m.window).filter(|_| has_larger) else { return false };
+        if self.rules.without_maximal_progress {
+            return false;
+        }
+        let mut masks = std::mem::take(&mut self.scratch.masks);
+        masks.clear();
+        self.inner_masks(model, id, &mut masks);
+        let is_hidden = !masks.is_empty() && remainder(window, self.now, &mut masks).0.is_empty();
+        self.scratch.masks = masks;
+        is_hidden
     }
 
     /// Notes which rules hold in this state.
@@ -98,14 +130,15 @@ impl<H: Host> Engine<H> {
     fn ruled(&mut self, model: &Model, live: &[u32], id: u32, masks: &mut Vec<Window>) {
         let mut reached = std::mem::take(&mut self.scratch.reached);
         reached.clear();
+        let plain = self.rules.without_maximal_progress;
         let is_active = |rule: &u32| self.scratch.active.get(*rule as usize).copied().unwrap_or(false);
-        let first =
-            (0..).zip(&model.rules).filter(|(rule, r)| is_active(rule) && among(&r.low, id)).map(|(rule, _)| rule);
-        reached.extend(first);
+        let yields = |(rule, r): &(u32, &crate::model::Rule)| is_active(rule) && among(r.yielding(plain), id);
+        reached.extend((0..).zip(&model.rules).filter(yields).map(|(rule, _)| rule));
         let mut at = 0;
         while let Some(rule) = reached.get(at).and_then(|rule| model.rules.get(*rule as usize)) {
             at += 1;
-            for other in live.iter().filter(|other| **other != id && among(&rule.high, **other)) {
+            let precedes = |other: &&u32| **other != id && among(rule.preceding(plain), **other);
+            for other in live.iter().filter(precedes) {
                 masks.extend(self.moves.get(*other as usize).map(|m| m.window));
             }
             for next in rule.next.iter().filter(|next| is_active(next)) {
@@ -125,7 +158,7 @@ impl<H: Host> Engine<H> {
             let rules = self.scratch.active.iter().zip(&model.rules);
             let by_size = || match (model.moves.get(low as usize), model.moves.get(high as usize)) {
                 (Some(a), Some(b)) => {
-                    a.connector == b.connector && is_part(a, b) && !self.rules.without_maximal_progress
+                    a.connector == b.connector && is_part(&a.leaves, &b.leaves) && !self.rules.without_maximal_progress
                 }
                 _ => false,
             };

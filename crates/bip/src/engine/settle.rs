@@ -1,7 +1,8 @@
 //! The end of actions: whether they took no longer than the model allows.
 
-use super::{Engine, Fault, MoveId};
+use super::{Engine, Fault, MoveId, MoveState};
 use crate::host::Host;
+use crate::model::Model;
 use crate::time::{Time, Window};
 use std::sync::Arc;
 
@@ -51,7 +52,9 @@ impl<H: Host> Engine<H> {
             }
         }
         if late > self.now {
-            self.missed(late, &mut violations);
+            let model = Arc::clone(&self.model);
+            self.judge_inner(&model);
+            self.missed(&model, late, &mut violations);
         }
         if !self.pending.is_empty() {
             self.resume(actual.0)?;
@@ -60,15 +63,18 @@ impl<H: Host> Engine<H> {
     }
 
     /// Invariants and deadlines that are over at a moment.
-    fn missed(&self, late: i64, violations: &mut Vec<Violation>) {
+    fn missed(&mut self, model: &Model, late: i64, violations: &mut Vec<Violation>) {
         for atom in self.bounded.iter() {
             if let Some(window) = self.bounds.get(atom as usize).copied().filter(|w| late > w.last) {
                 violations.push(Violation::Invariant { atom, window });
             }
         }
-        for id in self.enabled.iter() {
-            let Some(one) = self.moves.get(id as usize) else { continue };
-            if one.window.last >= self.now && one.due > self.now && one.due < late {
+        let is_missed = |one: &MoveState| one.window.last >= self.now && one.due > self.now && one.due < late;
+        let ids = self.enabled.iter().take_while(|id| *id < model.first_inner);
+        let moves = ids.filter_map(|id| Some((id, *self.moves.get(id as usize)?)));
+        let missed: Vec<(u32, MoveState)> = moves.filter(|(_, one)| is_missed(one)).collect();
+        for (id, one) in missed {
+            if !self.is_hidden(model, id) {
                 violations.push(Violation::Deadline { id: MoveId(id), window: one.window });
             }
         }

@@ -1,7 +1,7 @@
 //! Moves as the log shows them.
 
 use super::{Engine, MoveId};
-use crate::model::{Move, Part};
+use crate::model::Part;
 use std::fmt::Write as _;
 
 impl<H> Engine<H> {
@@ -85,13 +85,4 @@ pub(crate) enum MoveKind {
     Internal,
     /// Of an external port.
     External,
-}
-
-/// Whether all ports of one move are among those of another, which has more.
-pub(super) fn is_part(small: &Move, large: &Move) -> bool {
-    if small.leaves.len() >= large.leaves.len() {
-        return false;
-    }
-    let mut rest = large.leaves.iter();
-    small.leaves.iter().all(|leaf| rest.any(|other| other == leaf))
 }

@@ -2,8 +2,8 @@
 
 use super::instance::{Behind, Child, Tree};
 use super::{Builder, Flat, limit, too_large};
-use crate::model::{Connector, Move, Node, Part};
-use crate::template;
+use crate::model::{Connector, Move, Node, Part, is_part};
+use crate::template::{self, Source};
 use crate::value::Type;
 use lapwing_diag::Span;
 use std::collections::HashMap;
@@ -18,15 +18,26 @@ struct Way {
     parts: Vec<(u32, Part)>,
     /// Places of the variables that are seen from outside.
     shown: Vec<(String, Type, u32)>,
+    /// Inner moves in whose presence this is not seen.
+    larger: Vec<u32>,
 }
 
 /// The ways of connectors, by the numbers of the compound and of the connector in it.
-type Known = HashMap<(usize, u32), Rc<Vec<Way>>>;
+type Ways = HashMap<(usize, u32), Rc<Vec<Way>>>;
+
+/// The ways that are known already.
+#[derive(Default)]
+struct Known {
+    /// As connectors of the same compound see them.
+    all: Ways,
+    /// As they are seen from outside, through a port that the compound exports.
+    exported: Ways,
+}
 
 impl Builder<'_> {
     /// Makes the moves of all connectors that are no parts of others.
     pub(super) fn expand_all(&mut self, tree: &mut Tree) -> Flat<()> {
-        let mut known = Known::new();
+        let mut known = Known::default();
         let moves = self.expand_tree(tree, &mut known)?;
         self.hand_out(tree, &mut moves.into_iter());
         Ok(())
@@ -83,7 +94,8 @@ impl Builder<'_> {
                 leaves: way.leaves.clone().into(),
                 nodes: way.nodes.clone().into(),
                 parts: way.parts.clone().into(),
-                has_rivals: ways.len() > 1,
+                has_rivals: ways.len() > 1 || !way.larger.is_empty(),
+                larger: way.larger.clone().into(),
             });
         }
         let moves = first..self.moves.len() as u32;
@@ -94,7 +106,7 @@ impl Builder<'_> {
     /// The ways in which a connector takes part, by the sets of its ports and the ways of each of these.
     fn ways(&mut self, tree: &Tree, index: u32, known: &mut Known) -> Flat<Rc<Vec<Way>>> {
         let key = (tree.id, index);
-        if let Some(ways) = known.get(&key) {
+        if let Some(ways) = known.all.get(&key) {
             return Ok(ways.clone());
         }
         let library = self.library;
@@ -110,7 +122,11 @@ impl Builder<'_> {
                 match behind {
                     Behind::Port(port) => ways.push(self.leaf(port)),
                     Behind::Connector(inner, index) => {
-                        ways.extend(self.ways(inner, index, known)?.iter().cloned().map(as_part))
+                        let found = match source {
+                            Source::Connector(_) => self.ways(inner, index, known)?,
+                            Source::Component(..) => self.exported_ways(inner, index, known)?,
+                        };
+                        ways.extend(found.iter().cloned().map(as_part));
                     }
                 }
             }
@@ -121,8 +137,39 @@ impl Builder<'_> {
             self.combine(connection, ty, set, *action, &by_port, &mut all)?;
         }
         let all = Rc::new(all);
-        known.insert(key, all.clone());
+        known.all.insert(key, all.clone());
         Ok(all)
+    }
+
+    /// The ways of a connector that a compound exports. Maximal progress holds within the compound, so that outside of it a way is seen only
+    /// where no larger one is possible: each becomes an inner move, for those that it hides to ask for.
+    fn exported_ways(&mut self, tree: &Tree, index: u32, known: &mut Known) -> Flat<Rc<Vec<Way>>> {
+        let key = (tree.id, index);
+        if let Some(ways) = known.exported.get(&key) {
+            return Ok(ways.clone());
+        }
+        let ways = self.ways(tree, index, known)?;
+        if ways.len() < 2 {
+            return Ok(ways);
+        }
+        let first = self.inner.len() as u32;
+        for way in ways.iter() {
+            let (nodes, larger) = (way.nodes.clone().into(), way.larger.clone().into());
+            self.inner.push(Move { nodes, larger, ..Move::of_ports(way.leaves.clone().into()) });
+        }
+        let exported = ways.iter().map(|way| {
+            let hides = |(_, other): &(u32, &Way)| is_part(&way.leaves, &other.leaves);
+            let larger = (first..).zip(ways.iter()).filter(hides).map(|(inner, _)| inner);
+            Way { larger: way.larger.iter().copied().chain(larger).collect(), ..way.clone() }
+        });
+        let exported: Rc<Vec<Way>> = Rc::new(exported.collect());
+        self.leaves += exported.iter().map(|way| way.leaves.len() + way.larger.len()).sum::<usize>();
+        if self.leaves > limit::LEAVES {
+            let span = self.library.compounds.get(tree.ty as usize).map(|c| c.span).unwrap_or_default();
+            return too_large(span, "the interactions that this compound exports are too many".to_owned());
+        }
+        known.exported.insert(key, exported.clone());
+        Ok(exported)
     }
 
     /// A port of an atom, which takes part in one way.
@@ -142,6 +189,7 @@ impl Builder<'_> {
             nodes: Vec::new(),
             parts: vec![(0, Part::Port(port))],
             shown: shown().unwrap_or_default(),
+            larger: Vec::new(),
         }
     }
 
@@ -201,7 +249,8 @@ impl Builder<'_> {
         if let Some(action) = action {
             nodes.push(Node { ty: id, action, cells: table.cells.into(), objects: table.objects.into() });
         }
-        Some(Way { leaves, nodes, parts, shown })
+        let larger = chosen.iter().flat_map(|(_, way)| way.larger.iter().copied()).collect();
+        Some(Way { leaves, nodes, parts, shown, larger })
     }
 
     /// Where the variables of a connector's frame lie: its own in places of their own, those of ports where they are.

@@ -11,7 +11,7 @@ impl Builder<'_> {
     pub(super) fn rules(&mut self, tree: &Tree) -> Flat<Vec<Rule>> {
         let mut rules = Vec::new();
         self.collect(tree, &mut rules)?;
-        let follows = |rule: &Rule, other: &Rule| overlap(&rule.high, &other.low);
+        let follows = |rule: &Rule, other: &Rule| overlap(&rule.around_high, &other.within_low);
         let next: Vec<Vec<u32>> = rules
             .iter()
             .map(|rule| (0..).zip(&rules).filter(|(_, other)| follows(rule, other)).map(|(id, _)| id).collect())
@@ -41,7 +41,9 @@ impl Builder<'_> {
     }
 
     fn rule(&mut self, tree: &Tree, compound: &Compound, priority: &Priority) -> Rule {
-        let (low, high) = (self.side(tree, &priority.low), self.side(tree, &priority.high));
+        let side = |side, speaks_of| self.side(tree, side, speaks_of);
+        let (low, high) = (side(&priority.low, is_same), side(&priority.high, is_same));
+        let (within_low, around_high) = (side(&priority.low, is_within), side(&priority.high, is_around));
         let all = || Some(tree.moves.iter().flatten().cloned().collect::<Vec<_>>());
         // `*:*` is everything but what stands on the other side.
         let (low, high) = match (low, high) {
@@ -52,21 +54,22 @@ impl Builder<'_> {
             }
             (Some(low), Some(high)) => (low, high),
         };
+        let (within_low, around_high) =
+            (within_low.unwrap_or_else(|| low.clone()), around_high.unwrap_or_else(|| high.clone()));
         let guard = priority.guard.as_ref().map(|guard| self.guard(tree, compound, guard));
-        Rule { low, high, guard, next: Vec::new() }
+        Rule { low, high, within_low, around_high, guard, next: Vec::new() }
     }
 
-    /// The moves that a side names; none where it is `*:*`.
-    fn side(&self, tree: &Tree, side: &Side) -> Option<Vec<Range<u32>>> {
+    /// The moves that a side speaks of, by the ports that it names and those of the move; none where it is `*:*`.
+    fn side(&self, tree: &Tree, side: &Side, speaks_of: fn(&[u32], &[u32]) -> bool) -> Option<Vec<Range<u32>>> {
         let moves = |connector: u32| tree.moves.get(connector as usize).cloned().flatten();
         match side {
             Side::Any => None,
             Side::Connector(connector) => Some(moves(*connector).into_iter().collect()),
             Side::Interaction(connector, ports) => {
-                let labels: Vec<u32> = ports.to_vec();
                 let is_it = |id: &u32| {
-                    let parts = self.moves.get(*id as usize).map(|m| m.parts.iter().map(|(label, _)| *label).collect());
-                    parts == Some(labels.clone())
+                    let labels = self.moves.get(*id as usize).map(|m| m.parts.iter().map(|(label, _)| *label));
+                    labels.is_some_and(|labels| speaks_of(ports, &labels.collect::<Vec<u32>>()))
                 };
                 Some(moves(*connector)?.filter(is_it).map(|id| id..id + 1).collect())
             }
@@ -93,6 +96,21 @@ impl Builder<'_> {
         }
         RuleGuard { condition: guard.condition.clone(), cells: cells.into(), objects: objects.into() }
     }
+}
+
+/// Whether the ports of a move are those that are named.
+fn is_same(named: &[u32], one: &[u32]) -> bool {
+    named == one
+}
+
+/// Whether the ports of a move are among those that are named.
+fn is_within(named: &[u32], one: &[u32]) -> bool {
+    one.iter().all(|port| named.contains(port))
+}
+
+/// Whether the ports that are named are among those of a move.
+fn is_around(named: &[u32], one: &[u32]) -> bool {
+    is_within(one, named)
 }
 
 /// Moves that are not among others.

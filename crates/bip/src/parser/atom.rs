@@ -2,8 +2,8 @@
 
 use super::{Parse, Parser, Reported};
 use crate::ast::{
-    AtomPort, AtomPriority, AtomType, Clock, Data, EventPolicy, ExternPort, Initial, Invariant, Name, Path, Port,
-    Resume, TimeUnit, Transition, Urgency,
+    AtomPort, AtomPriority, AtomType, Clock, Data, EventPolicy, Expr, ExternPort, Initial, Invariant, Name, Path, Port,
+    Resume, Stmt, StmtKind, TimeUnit, Transition, Urgency,
 };
 use crate::lexer::TokenKind;
 use lapwing_diag::{Code, Diagnostic};
@@ -239,6 +239,9 @@ impl Parser<'_> {
             } else if self.take("do") {
                 transition.body = self.block()?;
                 3
+            } else if self.is("reset") {
+                transition.body = self.resets()?;
+                3
             } else if self.is("resume") {
                 transition.resume = self.resume()?;
                 4
@@ -256,6 +259,17 @@ impl Parser<'_> {
         }
     }
 
+    /// The older clause `reset c, d`: these clocks are zero from now on.
+    fn resets(&mut self) -> Parse<Vec<Stmt>> {
+        self.require("reset")?;
+        let clocks = self.names("a clock")?;
+        let zero = |clock: Name| {
+            let span = clock.span;
+            Stmt { kind: StmtKind::Assign(clock.into(), Expr::int(0)), span }
+        };
+        Ok(clocks.into_iter().map(zero).collect())
+    }
+
     fn invariant(&mut self) -> Parse<Invariant> {
         let start = self.require("invariant")?;
         let name = self.name("the name of the invariant")?;
@@ -271,7 +285,7 @@ impl Parser<'_> {
     }
 
     /// The guard of a rule, if it has one.
-    pub(super) fn optional_guard(&mut self) -> Parse<Option<crate::ast::Expr>> {
+    pub(super) fn optional_guard(&mut self) -> Parse<Option<Expr>> {
         if !self.is_any(&["provided", "when"]) {
             return Ok(None);
         }

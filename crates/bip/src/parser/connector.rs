@@ -11,17 +11,22 @@ impl Parser<'_> {
         let name = self.name("the name of the type")?;
         let ports = self.bracketed(|p| Ok((p.path("a type of ports")?, p.name("the name of a port")?)))?;
         let mut data = Vec::new();
+        // Remarks for compilers may stand in front of each part.
+        self.annotations()?;
         while self.is("data") {
             data.extend(self.data(false)?);
+            self.annotations()?;
         }
         let export = if self.take("export") { Some(self.connector_export()?) } else { None };
         self.require("define")?;
         let define = self.port_exprs()?;
         let resume = self.connector_resume()?;
         let mut connector = ConnectorType { name, ports, data, export, define, resume, interactions: Vec::new() };
+        self.annotations()?;
         while self.is("on") {
             let interaction = self.interaction()?;
             connector.interactions.push(interaction);
+            self.annotations()?;
         }
         let name = connector.name.clone();
         if !self.is("end") && !self.at_end() && !self.begins_type() {

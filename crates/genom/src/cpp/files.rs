@@ -46,7 +46,8 @@ impl Files for std::collections::BTreeMap<PathBuf, String> {
     }
 }
 
-/// Where `#include` looks: beside the file that includes, then in the folders of `-I` in their order.
+/// Where `#include` looks: beside the file that includes, then in the folders of `-I` in their order, then beside the files of the command line,
+/// which GenoM3 has on its list as well.
 ///
 /// `#include <…>` begins with the folders. Gives the places that were tried where there is no such file.
 pub(crate) fn find(
@@ -54,11 +55,12 @@ pub(crate) fn find(
     wanted: &str,
     quoted: bool,
     from: &Path,
-    folders: &[PathBuf],
+    (folders, roots): (&[PathBuf], &[PathBuf]),
 ) -> Result<(PathBuf, Vec<u8>), Vec<PathBuf>> {
     let beside = from.parent().unwrap_or(Path::new(""));
     let mut places: Vec<PathBuf> = folders.iter().map(|folder| folder.join(wanted)).collect();
     places.insert(if quoted { 0 } else { places.len() }, beside.join(wanted));
+    places.extend(roots.iter().filter(|root| *root != beside).map(|root| root.join(wanted)));
     for place in &places {
         if let Ok(bytes) = files.read(place) {
             return Ok((place.clone(), bytes));

@@ -46,6 +46,8 @@ pub(crate) struct Cpp<'a> {
     pub diagnostics: &'a mut Vec<Diagnostic>,
     macros: Macros,
     out: Vec<Token>,
+    /// The folders of the files that the command line names.
+    roots: Vec<PathBuf>,
     /// Files that asked to be read once only.
     once: Vec<PathBuf>,
     depth: usize,
@@ -82,6 +84,7 @@ impl<'a> Cpp<'a> {
             diagnostics,
             macros: Macros::default(),
             out: Vec::new(),
+            roots: Vec::new(),
             once: Vec::new(),
             depth: 0,
             read: (0, 0),
@@ -105,6 +108,10 @@ impl<'a> Cpp<'a> {
     /// Reads a file that the command line names.
     pub(crate) fn file(&mut self, path: &Path) -> std::io::Result<()> {
         let bytes = self.files.read(path)?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        if !self.roots.contains(&folder) {
+            self.roots.push(folder);
+        }
         self.text(path, &bytes);
         Ok(())
     }
@@ -313,7 +320,7 @@ impl<'a> Cpp<'a> {
             let help = "a file that may be included twice begins with `#ifndef NAME` and `#define NAME`, and ends with `#endif`";
             return Err(Box::new(Diagnostic::new(Code::TooDeep, place, message).help(help)));
         }
-        match files::find(self.files, &wanted, quoted, path, self.folders) {
+        match files::find(self.files, &wanted, quoted, path, (self.folders, &self.roots)) {
             Ok((_, bytes)) if self.read.0 >= MOST_FILES || self.read.1 + bytes.len() > MOST_BYTES => {
                 self.incomplete = true;
                 let message = format!("this is more than {MOST_FILES} files, or than {} MiB", MOST_BYTES >> 20);

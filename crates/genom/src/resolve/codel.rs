@@ -43,6 +43,14 @@ impl<'a> Resolver<'a> {
             }
             parameters.push(new);
         }
+        let is_state = matches!(role, Role::State { .. });
+        if codel.is_async && !is_state {
+            let message = "`async` says nothing here: the control task runs this codel and waits for it";
+            self.report(
+                Diagnostic::new(Code::UnusualSyntax, codel.function.span, message)
+                    .help("only the codels of tasks and activities run beside their task"),
+            );
+        }
         Codel {
             function: codel.function.name.clone(),
             span: codel.function.span,
@@ -50,7 +58,7 @@ impl<'a> Resolver<'a> {
             role,
             parameters,
             wcet_ns: codel.wcet.as_ref().and_then(|wcet| self.time(scope, wcet)),
-            is_async: codel.is_async,
+            is_async: codel.is_async && is_state,
         }
     }
 

@@ -10,7 +10,7 @@ use super::draft::{Draft, ServiceDraft, TaskDraft};
 use super::properties::{Properties, Whose};
 use crate::ast::{Order, ServiceKind, TimeProperty};
 use crate::model::{
-    Codel, CodelId, CodelParameter, Component, Field, Object, Owner, Role, Service, ServiceId, Task, TaskId,
+    Codel, CodelId, CodelParameter, Component, Field, Object, Owner, Role, Service, ServiceId, Step, Task, TaskId, Type,
 };
 use lapwing_diag::suggest::{listed, nearest};
 
@@ -120,9 +120,9 @@ impl<'a> Resolver<'a> {
             validate: None,
             codels: Vec::new(),
             throws: properties.throws.clone(),
-            interrupts: self.services(draft, &properties, Order::Interrupts),
-            after: self.services(draft, &properties, Order::After),
-            before: self.services(draft, &properties, Order::Before),
+            interrupts: self.services(draft, id, &properties, Order::Interrupts),
+            after: self.services(draft, id, &properties, Order::After),
+            before: self.services(draft, id, &properties, Order::Before),
         });
         if service.kind == ServiceKind::Attribute && !accesses.is_empty() {
             component.codels.push(Codel {
@@ -174,8 +174,11 @@ impl<'a> Resolver<'a> {
             component.codels.push(codel);
             self.attach(component, owner);
         }
-        let codels: Vec<_> = properties.codels.iter().map(|(_, codel)| *codel).collect();
-        self.machine(component, owner, first, &codels);
+        // An interface may leave states to the components that provide it.
+        if !draft.is_interface {
+            let codels: Vec<_> = properties.codels.iter().map(|(_, codel)| *codel).collect();
+            self.machine(component, owner, first, &codels);
+        }
     }
 
     /// Gives the last codel to its owner.
@@ -233,11 +236,20 @@ impl<'a> Resolver<'a> {
         found.map(TaskId)
     }
 
-    fn services(&mut self, draft: &Draft<'a>, properties: &Properties<'a>, order: Order) -> Vec<ServiceId> {
+    fn services(
+        &mut self,
+        draft: &Draft<'a>,
+        own: ServiceId,
+        properties: &Properties<'a>,
+        order: Order,
+    ) -> Vec<ServiceId> {
         let mut found = Vec::new();
         for (_, name) in properties.services.iter().filter(|(o, _)| *o == order) {
-            if name.name == "all" && order == Order::Interrupts {
-                found.extend((0..draft.services.len()).map(ServiceId));
+            if name.name == "all" {
+                // A service that waited for itself would never be granted.
+                let is_meant = |s: &&ServiceId| order == Order::Interrupts || **s != own;
+                let all: Vec<ServiceId> = (0..draft.services.len()).map(ServiceId).collect();
+                found.extend(all.iter().filter(is_meant));
                 continue;
             }
             match draft.services.iter().position(|s| s.name == name.name) {
@@ -258,12 +270,15 @@ impl<'a> Resolver<'a> {
         found
     }
 
-    /// A function has one signature, however many codels call it.
+    /// A function has one signature, however many codels call it: directions and types. What its parameters are called is each codel's own.
     fn same_functions(&mut self, component: &Component) {
         let mut known: BTreeMap<&str, &Codel> = BTreeMap::new();
         for codel in component.codels.iter().filter(|c| c.role != Role::Attribute) {
             let before = *known.entry(&codel.function).or_insert(codel);
-            let same = |(a, b): (&CodelParameter, &CodelParameter)| a.direction == b.direction && a.name == b.name;
+            let same = |(a, b): (&CodelParameter, &CodelParameter)| {
+                a.direction == b.direction
+                    && self.same_object(component, (before.owner, &a.object), (codel.owner, &b.object))
+            };
             let is_same = before.parameters.len() == codel.parameters.len()
                 && before.parameters.iter().zip(&codel.parameters).all(same);
             if !is_same {
@@ -274,6 +289,43 @@ impl<'a> Resolver<'a> {
                 );
             }
         }
+    }
+
+    /// Whether a function can be given either of two things: data of one type, or one and the same port or service.
+    fn same_object(&self, component: &Component, a: (Owner, &Object), b: (Owner, &Object)) -> bool {
+        match (a.1, b.1) {
+            (Object::Ids(_) | Object::Local(..), Object::Ids(_) | Object::Local(..)) => {
+                match (self.data_type(component, a), self.data_type(component, b)) {
+                    (Some(a), Some(b)) => self.same_type(&a, &b),
+                    // What could not be found has been said.
+                    _ => true,
+                }
+            }
+            (Object::Unknown, _) | (_, Object::Unknown) => true,
+            (a, b) => a == b,
+        }
+    }
+
+    /// The type of internal data, or of a parameter or local of a service.
+    fn data_type(&self, component: &Component, (owner, object): (Owner, &Object)) -> Option<Type> {
+        let (whole, steps) = match object {
+            Object::Ids(steps) => (Type::Named(component.ids?), steps),
+            Object::Local(name, steps) => {
+                let Owner::Service(service) = owner else { return None };
+                let service = component.services.get(service.0)?;
+                let parameter = service.parameters.iter().find(|p| p.name == *name).map(|p| p.ty.clone());
+                let local = || service.locals.iter().find(|l| l.name == *name).map(|l| Some(l.ty.clone()));
+                (parameter.or_else(local)??, steps)
+            }
+            Object::Port(_) | Object::Remote(_) | Object::Unknown => return None,
+        };
+        steps.iter().try_fold(whole, |ty, step| match step {
+            Step::Member(name) => self.members_of(&ty)?.into_iter().find(|f| f.name == *name).map(|f| f.ty.clone()),
+            Step::Element(_) => match ty.behind(&self.types) {
+                Type::Array(inner, _) | Type::Sequence(inner, _) => Some((**inner).clone()),
+                _ => None,
+            },
+        })
     }
 
     /// The base clock: what all periods and delays are multiples of.

@@ -50,6 +50,7 @@ impl Resolver<'_> {
                 let value = match (sign, operand) {
                     ('-', Const::Int(value)) => value.checked_neg().map(Const::Int),
                     ('~', Const::Int(value)) => Some(Const::Int(!value)),
+                    ('~', Const::Bool(value)) => Some(Const::Bool(!value)),
                     ('-', Const::Float(value)) => Some(Const::Float(-value)),
                     ('+', value @ (Const::Int(_) | Const::Float(_))) => Some(value),
                     _ => None,

@@ -128,29 +128,34 @@ impl<'a> Resolver<'a> {
             return;
         };
         self.scopes.see(draft.scope, other.scope);
-        if relation == Relation::Uses {
-            for port in &other.ports {
-                self.add_port(draft, Port { is_out: !port.is_out, ..port.clone() });
+        match relation {
+            Relation::Uses => {
+                for port in &other.ports {
+                    self.add_port(draft, Port { is_out: !port.is_out, ..port.clone() });
+                }
+                for service in &other.services {
+                    let remote =
+                        Remote { name: service.name.clone(), interface: other.name.clone(), span: service.span };
+                    self.is_new(draft, &remote.name, remote.span);
+                    draft.remotes.push(remote);
+                }
             }
-            for service in other.services.iter().filter(|s| s.kind != ServiceKind::Attribute) {
-                let remote = Remote { name: service.name.clone(), interface: other.name.clone(), span: service.span };
-                self.is_new(draft, &remote.name, remote.span);
-                draft.remotes.push(remote);
+            Relation::Provides | Relation::Extends => {
+                other.ports.iter().for_each(|port| self.add_port(draft, port.clone()));
+                other.services.iter().for_each(|service| self.add_service(draft, service.clone()));
             }
-            return;
         }
+        // All else is the same from either side.
         let fields = self.ids_fields(other.ids).to_vec();
         let mut own = self.ids_fields(draft.ids).to_vec();
         fields.into_iter().for_each(|field| self.add_field(&mut own, field));
         self.set_ids(draft.ids, own);
-        other.ports.iter().for_each(|port| self.add_port(draft, port.clone()));
         for remote in &other.remotes {
             if !draft.remotes.iter().any(|r| r.name == remote.name && r.span == remote.span) {
                 draft.remotes.push(remote.clone());
             }
         }
         other.tasks.iter().for_each(|task| self.add_task(draft, task.clone()));
-        other.services.iter().for_each(|service| self.add_service(draft, service.clone()));
         also(&mut draft.properties, &other.properties);
     }
 
@@ -307,11 +312,21 @@ impl<'a> Resolver<'a> {
         }
     }
 
+    fn same_parameters(&self, a: &[Parameter], b: &[Parameter]) -> bool {
+        let same_type = |a: &Parameter, b: &Parameter| match (&a.ty, &b.ty) {
+            (Some(a), Some(b)) => self.same_type(a, b),
+            // What could not be found has been said.
+            _ => true,
+        };
+        let same = |(a, b): (&Parameter, &Parameter)| a.name == b.name && a.direction == b.direction && same_type(a, b);
+        a.len() == b.len() && a.iter().zip(b).all(same)
+    }
+
     /// Adds a service, or what is said of a known one.
     pub(super) fn add_service(&mut self, draft: &mut Draft<'a>, service: ServiceDraft<'a>) {
         if let Some(known) = draft.services.iter_mut().find(|s| s.name == service.name) {
             let same = known.kind == service.kind
-                && same_parameters(&known.parameters, &service.parameters)
+                && self.same_parameters(&known.parameters, &service.parameters)
                 && known.members.len() == service.members.len();
             let before = known.span;
             if same {
@@ -341,8 +356,4 @@ fn also<'a>(all: &mut Vec<Said<'a>>, more: &[Said<'a>]) {
             all.push(*said);
         }
     }
-}
-
-fn same_parameters(a: &[Parameter], b: &[Parameter]) -> bool {
-    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.name == b.name && a.direction == b.direction && a.ty == b.ty)
 }

@@ -45,7 +45,7 @@ impl Whose {
             P::Local(..) => is_service && self != Whose::Service(ServiceKind::Attribute),
             P::Codel(codel) => match self {
                 Whose::Task | Whose::Service(ServiceKind::Activity) => !codel.triggers.is_empty(),
-                Whose::Service(_) => codel.triggers.is_empty() && !codel.is_async,
+                Whose::Service(_) => codel.triggers.is_empty(),
                 Whose::Component | Whose::Interface => false,
             },
         }
@@ -96,6 +96,9 @@ impl<'a> Resolver<'a> {
     pub(super) fn properties(&mut self, own: ScopeId, said: &[Said<'a>], whose: Whose) -> Properties<'a> {
         let mut sorted = Properties::default();
         let mut single: Vec<(&str, Span)> = Vec::new();
+        // What a component says of itself counts more than what the interfaces say that it imports.
+        let is_body = matches!(whose, Whose::Component | Whose::Interface);
+        let says_itself = |name: &str| said.iter().any(|(scope, p)| *scope == own && p.word.name == name);
         for (scope, property) in said {
             if !whose.may_have(&property.kind) {
                 self.misplaced(property, whose);
@@ -103,6 +106,10 @@ impl<'a> Resolver<'a> {
             }
             if is_single(&property.kind) {
                 let name = property.word.name.as_str();
+                let is_known = says_itself(name) || single.iter().any(|(known, _)| *known == name);
+                if is_body && *scope != own && is_known {
+                    continue;
+                }
                 // An interface that is imported twice says the same twice.
                 if let Some((_, before)) = single.iter().find(|(n, span)| *n == name && *span != property.word.span) {
                     let message = format!("`{name}` is said twice");
@@ -157,10 +164,6 @@ impl<'a> Resolver<'a> {
     fn misplaced(&mut self, property: &Property, whose: Whose) {
         let word = &property.word.name;
         let (what, help) = match &property.kind {
-            PropertyKind::Codel(codel) if codel.is_async && !matches!(whose, Whose::Task) => (
-                format!("{} has no codels that run beside it", whose.name()),
-                "only a task and an activity have `async` codels",
-            ),
             PropertyKind::Codel(codel)
                 if codel.triggers.is_empty()
                     && matches!(whose, Whose::Task | Whose::Service(ServiceKind::Activity)) =>

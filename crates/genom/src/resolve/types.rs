@@ -18,8 +18,9 @@ impl Resolver<'_> {
                 inside.iter().for_each(|declaration| self.declare(module, declaration));
             }
             Decl::Const(ty, name, value) => {
-                drop(self.ty(scope, ty));
-                let value = self.constant(scope, value);
+                let ty = self.ty(scope, ty);
+                let place = value.span;
+                let value = self.constant(scope, value).map(|value| self.converted(ty.as_ref(), value, place));
                 self.claim(scope, name, |symbol| symbol.ty.is_some() || symbol.value.is_some());
                 let symbol = self.scopes.own(scope, &name.name);
                 (symbol.value, symbol.span) = (value, name.span);
@@ -241,6 +242,16 @@ impl Resolver<'_> {
         match self.final_kind(ty)? {
             TypeDefKind::Enum(values) => Some(values),
             _ => None,
+        }
+    }
+
+    /// Whether two types are one behind all their names.
+    pub(super) fn same_type(&self, a: &Type, b: &Type) -> bool {
+        match (a.behind(&self.types), b.behind(&self.types)) {
+            (Type::Sequence(a, n), Type::Sequence(b, m)) => n == m && self.same_type(a, b),
+            (Type::Array(a, n), Type::Array(b, m)) => n == m && self.same_type(a, b),
+            (Type::Optional(a), Type::Optional(b)) => self.same_type(a, b),
+            (a, b) => a == b,
         }
     }
 

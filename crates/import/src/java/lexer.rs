@@ -37,7 +37,7 @@ pub(crate) fn tokens(text: &str) -> Vec<Token> {
         let length = match c {
             c if c.is_whitespace() => c.len_utf8(),
             '/' if rest.starts_with("//") => rest.find('\n').unwrap_or(rest.len()),
-            '/' if rest.starts_with("/*") => rest.find("*/").map_or(rest.len(), |end| end + 2),
+            '/' if rest.starts_with("/*") => comment(rest),
             _ => {
                 let (kind, length) = token(rest, c);
                 tokens.push(Token { kind, start: at, end: at + length });
@@ -47,6 +47,12 @@ pub(crate) fn tokens(text: &str) -> Vec<Token> {
         at += length;
     }
     tokens
+}
+
+/// The length of the comment that a text begins with. The star of `/*` is not the one of `*/`: `/*/` only begins a comment.
+fn comment(text: &str) -> usize {
+    let end = text.get(2..).and_then(|inside| inside.find("*/"));
+    end.map_or(text.len(), |end| end + 4)
 }
 
 /// The token that `rest` begins with, which has `c` first.
@@ -99,6 +105,7 @@ mod tests {
         assert_eq!(words("a/*b*/ /* c\n */d // e\nf \"g//h\\\"\" 'i' ="), ["a", "d", "f", "\"g//h\\\"\"", "'i'", "="]);
         assert_eq!(words("log(\"wrapped\n here\");x"), ["log", "(", "\"wrapped\n here\"", ")", ";", "x"]);
         assert_eq!(words("\"never\nclosed\nx"), ["\"never", "closed", "x"]);
+        assert_eq!(words("a /*/ b */ c /**/ d"), ["a", "c", "d"]);
         assert_eq!(words("1.5f é→ /* x"), ["1", ".", "5f", "é", "→"]);
     }
 }

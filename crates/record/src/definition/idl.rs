@@ -302,7 +302,7 @@ fn tokens(text: &str) -> Vec<&str> {
             '=' if rest.starts_with("===") => line(rest),
             'I' if rest.starts_with("IDL:") => line(rest),
             '/' if rest.starts_with("//") => line(rest),
-            '/' if rest.starts_with("/*") => rest.find("*/").map_or(rest.len(), |end| end + 2),
+            '/' if rest.starts_with("/*") => comment(rest),
             '"' => quoted(rest),
             c if is_word(c) => rest.find(|c| !is_word(c)).unwrap_or(rest.len()),
             c => c.len_utf8(),
@@ -322,6 +322,12 @@ fn tokens(text: &str) -> Vec<&str> {
 
 fn line(text: &str) -> usize {
     text.find('\n').unwrap_or(text.len())
+}
+
+/// The length of the comment that a text begins with. The star of `/*` is not the one of `*/`: `/*/` only begins a comment.
+fn comment(text: &str) -> usize {
+    let end = text.get(2..).and_then(|inside| inside.find("*/"));
+    end.map_or(text.len(), |end| end + 4)
 }
 
 /// The end of a quoted text, escapes heeded.
@@ -349,7 +355,7 @@ mod tests {
     const TEXT: &str = r#"
 ================================================================================
 IDL: pkg/msg/Root
-// generated
+/*/ generated; { */
 #include "pkg/msg/Point.idl"
 module pkg { module msg {
   typedef double double__36[36];
