@@ -189,9 +189,10 @@ impl<'c, 'r> Flat<'c, 'r> {
         let mut total = 0;
         for leaf in self.leaves.clone() {
             let mut ways = Vec::new();
-            let (mut node, mut level) = (leaf, 0);
-            while node != self.root && level <= super::MOST_DEPTH + 1 {
-                let chart = self.chart;
+            let (chart, root) = (self.chart, self.root);
+            // The root too: a region may be left for itself, and begins anew then.
+            let inside = chart.around(leaf).take_while(|n| chart.is_in(*n, root));
+            for (level, node) in inside.take(super::MOST_DEPTH + 2).enumerate() {
                 for (number, arrow) in chart.arrows.iter().enumerate().filter(|(_, a)| a.from == node) {
                     let mut way = Way {
                         level,
@@ -214,8 +215,6 @@ impl<'c, 'r> Flat<'c, 'r> {
                     }
                     self.follow(way, 0, &mut ways);
                 }
-                node = chart.nodes.get(node).map_or(self.root, |n| n.parent);
-                level += 1;
             }
             total += ways.len();
             if total > MOST_EDGES {
