@@ -14,6 +14,9 @@ const RESERVED: [&str; 6] = ["t", "t_ns", "event", "topic", "values", "msg"];
 /// The event that says that time has passed and nothing else has happened; no specification can declare it.
 const TIME: &str = "lapwing/time";
 
+/// Arrays and records in each other are written down to this depth.
+const MOST_DEPTH: usize = 64;
+
 /// Writes down what arrives.
 pub(crate) struct Recorder {
     out: Box<dyn Write + Send>,
@@ -109,8 +112,7 @@ fn begin(line: &mut String, time: Time) {
 
 /// A key with its value, unless that is missing; `start` is where the first of its object stands.
 fn pair(line: &mut String, start: usize, name: &str, value: &Value) {
-    let is_scalar = matches!(value, Value::Bool(_) | Value::Num(_) | Value::Str(_));
-    if !is_scalar {
+    if matches!(value, Value::Missing) {
         return;
     }
     if line.len() > start {
@@ -118,14 +120,45 @@ fn pair(line: &mut String, start: usize, name: &str, value: &Value) {
     }
     text(line, name);
     line.push(':');
+    self::value(line, value, MOST_DEPTH);
+}
+
+/// A value as JSON has it. What is nested more deeply than `depth` is `null`: no reader takes it.
+fn value(line: &mut String, value: &Value, depth: usize) {
+    let Some(depth) = depth.checked_sub(1) else { return line.push_str("null") };
     match value {
-        Value::Str(s) => text(line, s),
+        Value::Missing => line.push_str("null"),
         Value::Bool(b) => line.push_str(if *b { "true" } else { "false" }),
-        // Beyond the standard, as the reader takes them.
-        Value::Num(x) if x.is_nan() => line.push_str("NaN"),
-        Value::Num(x) if x.is_infinite() => line.push_str(if *x > 0.0 { "Infinity" } else { "-Infinity" }),
-        Value::Num(x) => _ = write!(line, "{x:?}"),
-        _ => {}
+        Value::Num(x) => number(line, *x),
+        Value::Str(s) => text(line, s),
+        Value::Nums(numbers) => between(line, ['[', ']'], numbers, |line, x| number(line, *x)),
+        Value::List(values) => between(line, ['[', ']'], values, |line, v| self::value(line, v, depth)),
+        Value::Record(fields) => between(line, ['{', '}'], fields, |line, (name, v)| {
+            text(line, name);
+            line.push(':');
+            self::value(line, v, depth);
+        }),
+    }
+}
+
+/// Some things between brackets, commas between them.
+fn between<T>(line: &mut String, [open, close]: [char; 2], all: &[T], one: impl Fn(&mut String, &T)) {
+    line.push(open);
+    for (at, each) in all.iter().enumerate() {
+        if at > 0 {
+            line.push(',');
+        }
+        one(line, each);
+    }
+    line.push(close);
+}
+
+/// A number. What JSON does not have is written as the reader takes it.
+fn number(line: &mut String, x: f64) {
+    match x {
+        x if x.is_nan() => line.push_str("NaN"),
+        x if x.is_infinite() => line.push_str(if x > 0.0 { "Infinity" } else { "-Infinity" }),
+        x => _ = write!(line, "{x:?}"),
     }
 }
 
