@@ -124,6 +124,20 @@ fn what_is_written_for_the_eye_says_nothing_and_hides_nothing() {
 }
 
 #[test]
+fn regions_within_states_that_hold_nothing_else_are_machines() {
+    let oven = |inside: &str| {
+        let text = "<scxml><state id='oven'><initial><transition target='parts'/></initial>INSIDE<parallel id='parts'>\
+                    <state id='heat'><state id='off'><transition event='on' target='hot'><q:editorinfo/></transition></state><state id='hot'/></state>\
+                    <state id='door'><state id='shut'/></state></parallel></state></scxml>";
+        imported("m.scxml", &text.replace("INSIDE", inside).replace("<scxml>", "<scxml xmlns:q='x'>")).sound()
+    };
+    let came = oven("");
+    assert_eq!(came.text.matches("machine m_").count(), 2, "{}", came.text);
+    assert_eq!(came.found, "", "what an editor keeps is no code");
+    assert!(oven("<transition event='e' target='oven'/>").found.starts_with("import-refused"));
+}
+
+#[test]
 fn a_region_that_is_left_for_itself_begins_anew() {
     let text = "<scxml><parallel id='p'><state id='l'><transition event='again' target='l'/><state id='a'><transition event='e' target='b'/></state>\
                 <state id='b'/></state><state id='r'><state id='x'/></state></parallel></scxml>";

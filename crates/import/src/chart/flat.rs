@@ -50,13 +50,17 @@ fn roots(chart: &Chart) -> Vec<(usize, String)> {
         let frame = |c: &usize| chart.nodes.get(*c).map(|n| (*c, n.id.clone()));
         return whole.children.iter().filter_map(frame).flat_map(|(c, name)| regions(chart, c, name)).collect();
     }
-    // Regions that are all there is.
-    match whole.children[..] {
-        [only] if chart.nodes.get(only).is_some_and(|n| n.kind == Kind::Parallel) && !touches(only) => {
-            regions(chart, only, chart.name.clone())
+    // Regions that are all there is, perhaps within states that hold nothing else.
+    let mut inner = whole;
+    while let [only] = inner.children[..]
+        && let Some(node) = chart.nodes.get(only).filter(|_| !touches(only))
+    {
+        if node.kind == Kind::Parallel {
+            return regions(chart, only, chart.name.clone());
         }
-        _ => regions(chart, 0, chart.name.clone()),
+        inner = node;
     }
+    regions(chart, 0, chart.name.clone())
 }
 
 /// The regions of a node, if it has any; else itself.
