@@ -284,6 +284,13 @@ fn events_in_the_place_of_a_call_and_at_overloads() {
     let calls = ["event a = call R::a", "event b = call R::b", "event c = call R::c", "event d = call R::d"];
     assert_eq!(told, [&calls[..], &["event f_1", "event f_2 = call R::f"]].concat());
     assert_eq!(came.found.matches("import-event").count(), 2, "each pattern is said at its place\n{}", came.found);
+
+    // One event said several times is one; two at one place are told apart by nothing.
+    let events = "event a void around(): call(* R.a()) {}\nevent a boolean around(): call(* R.a()) {}\n\
+                  event b before(): call(R.new(int)) {}\nevent c before(): call(R.new()) {}";
+    let came = imported("m.mop", &monitor(events, "ere: b c a @match { __RESET; }")).sound();
+    assert!(came.text.contains("state match when a or b or c\n"), "{}", came.text);
+    assert_eq!(came.found, "import-differs: \"c\"\n");
 }
 
 #[test]

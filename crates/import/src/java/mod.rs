@@ -87,7 +87,8 @@ impl<'s, 't> Monitor<'s, 't> {
             match events.get_mut(name) {
                 // JavaMOP lets several events share a name: each of them is it.
                 Some(known) => {
-                    known.names.extend(meant.names);
+                    let others = meant.names.into_iter().filter(|name| !known.names.contains(name));
+                    known.names.extend(others.collect::<Vec<_>>());
                     known.binds.extend(meant.binds);
                 }
                 None => {
@@ -106,6 +107,7 @@ impl<'s, 't> Monitor<'s, 't> {
         let monitor = Monitor { spec, events, order, bound, each };
         monitor.mention_code(report);
         monitor.mention_modifiers(report);
+        monitor.mention_twins(sheet, report);
         for block in &spec.blocks {
             monitor.block(block, sheet, report);
         }
@@ -129,6 +131,25 @@ impl<'s, 't> Monitor<'s, 't> {
             let span = report.span(modifier.place.start, modifier.place.end);
             let message = format!("`{}` does not come along", modifier.text);
             report.push(Diagnostic::new(Code::ImportDiffers, span, message).label(why));
+        }
+    }
+
+    /// Events that are at the same place: the types of arguments told them apart, or JavaMOP has them one after the other.
+    fn mention_twins(&self, sheet: &Sheet, report: &mut Report) {
+        let declared = |name: &String| sheet.events.iter().find(|e| e.name == *name && e.source.is_some());
+        let places = |event: &&str| self.names(event).iter().filter_map(declared).collect::<Vec<_>>();
+        for (number, event) in self.order.iter().enumerate() {
+            let own = places(event);
+            let is_twin = |other: &&&str| places(other).iter().any(|a| own.iter().any(|b| a.is_at_place_of(b)));
+            let Some(twin) = self.order[..number].iter().find(is_twin) else { continue };
+            let Some(name) = self.spec.events.iter().map(|e| &e.name).find(|n| n.text == *event) else { continue };
+            let span = report.span(name.place.start, name.place.end);
+            let message = format!("`{event}` and `{twin}` always occur at once");
+            report.push(
+                Diagnostic::new(Code::ImportDiffers, span, message)
+                    .label("at the same place; in JavaMOP one of them, or one after the other")
+                    .help("overloads of Java are functions with names of their own in Rust: give each event its own"),
+            );
         }
     }
 
