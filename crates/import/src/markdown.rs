@@ -34,7 +34,7 @@ fn diagrams(text: &str) -> Vec<(usize, &str)> {
                 let signs = trimmed.get(..trimmed.len() - fence.len()).unwrap_or("");
                 if signs.len() >= 3 {
                     // Another fence is passed over to its own end.
-                    open = Some((if fence.trim() == "mermaid" { at } else { usize::MAX }, signs));
+                    open = Some((if is_mermaid(fence) { at } else { usize::MAX }, signs));
                 }
             }
             Some((begin, signs)) if trimmed.starts_with(signs) && trimmed.trim_start_matches(['`', '~']).is_empty() => {
@@ -50,6 +50,12 @@ fn diagrams(text: &str) -> Vec<(usize, &str)> {
     found
 }
 
+/// Whether what follows the signs of a fence says that it holds a drawing of Mermaid: `mermaid`, perhaps with attributes, or MyST's `{mermaid}`.
+fn is_mermaid(info: &str) -> bool {
+    let word = info.trim().split([' ', '\t']).next().unwrap_or("");
+    matches!(word, "mermaid" | "{mermaid}" | "{.mermaid}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -57,7 +63,8 @@ mod tests {
     #[test]
     fn only_state_diagrams_are_found() {
         let page = "# x\n```mermaid\nflowchart TD\n```\n````md\n```mermaid\nstateDiagram\n```\n````\n```mermaid\n%% y\n\nstateDiagram-v2\na\n```\n\
-                    ~~~mermaid\n---\ntitle: z\n---\nstateDiagram\n~~~\n```mermaid\nstateDiagram-v2\n";
+                    ~~~mermaid\n---\ntitle: z\n---\nstateDiagram\n~~~\n```{mermaid} x\n%%{init: {\n  \"theme\": 1\n}}%%\nstateDiagram-v2\n```\n\
+                    ```mermaid\nstateDiagram-v2\n";
         let found: Vec<&str> = diagrams(page)
             .iter()
             .map(|(start, d)| {
@@ -65,6 +72,7 @@ mod tests {
                 *d
             })
             .collect();
-        assert_eq!(found, ["%% y\n\nstateDiagram-v2\na\n", "---\ntitle: z\n---\nstateDiagram\n"]);
+        let styled = "%%{init: {\n  \"theme\": 1\n}}%%\nstateDiagram-v2\n";
+        assert_eq!(found, ["%% y\n\nstateDiagram-v2\na\n", "---\ntitle: z\n---\nstateDiagram\n", styled]);
     }
 }

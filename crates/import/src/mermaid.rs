@@ -19,15 +19,51 @@ use crate::sheet::Sheet;
 const MARK: &str = "lapwing:";
 
 /// Lines that say how something looks.
-const LOOKS: &[&str] =
-    &["direction", "hide", "scale", "classDef", "class", "style", "click", "accTitle", "accDescr", "title"];
+const LOOKS: &[&str] = &[
+    "direction",
+    "hide",
+    "scale",
+    "classDef",
+    "class",
+    "style",
+    "linkStyle",
+    "click",
+    "accTitle",
+    "accDescr",
+    "title",
+];
 
 /// Whether a text is a state diagram of Mermaid, whatever is wrong with it.
 pub(crate) fn is_state_diagram(text: &str) -> bool {
-    let mut lines = text.lines().map(str::trim).skip_while(|l| l.is_empty() || l.starts_with("%%"));
-    let first = lines.next().unwrap_or("");
-    let first = if first == "---" { lines.skip_while(|l| *l != "---").nth(1).unwrap_or("") } else { first };
-    first.starts_with("stateDiagram")
+    let mut skipping: Option<&str> = None;
+    for line in text.lines().map(str::trim) {
+        match (skipping, line) {
+            (Some(end), line) if line.ends_with(end) => skipping = None,
+            (Some(_), _) => {}
+            (None, "---") => skipping = Some("---"),
+            (None, line) if opens_directive(line) => skipping = Some(DIRECTIVE_END),
+            (None, line) if line.is_empty() || line.starts_with("%%") => {}
+            (None, line) => return line.starts_with("stateDiagram"),
+        }
+    }
+    false
+}
+
+/// What ends a directive `%%{init: …}%%`.
+const DIRECTIVE_END: &str = "}%%";
+
+/// Whether a directive begins in this line and does not end in it.
+fn opens_directive(line: &str) -> bool {
+    line.starts_with("%%{") && !line.ends_with(DIRECTIVE_END)
+}
+
+/// A line without the comment behind it. A label goes on to the end of its line, signs of comments included.
+fn uncommented(line: &str) -> &str {
+    let is_said = |head: &str| head.replace(":::", "").contains(':') || head.contains('"');
+    match line.split_once("%%") {
+        Some((head, _)) if !is_said(head) => head.trim_end(),
+        _ => line,
+    }
 }
 
 /// Reads a diagram that begins at `base` in its file; `name` is what it is called where it does not say so.
@@ -98,21 +134,24 @@ impl Reader<'_> {
 
     fn lines(&mut self, text: &str) {
         let mut at = 0;
-        let mut skipping: Option<&str> = None;
+        // What ends that which is passed over, and where it began.
+        let mut skipping: Option<(&str, Range<usize>)> = None;
         let mut begun = false;
         for (number, whole) in text.split_inclusive('\n').enumerate() {
             let line = whole.trim();
             let start = self.base + at + (whole.len() - whole.trim_start().len());
             at += whole.len();
             let place = start..start + line.len();
-            if let Some(end) = skipping {
+            if let Some((end, _)) = skipping {
                 let title = line.strip_prefix("title:").filter(|_| end == "---");
                 title.into_iter().for_each(|t| self.chart.name = t.trim().trim_matches('"').to_owned());
-                if line == end {
+                if line == end || end == DIRECTIVE_END && line.ends_with(end) {
                     skipping = None;
                 }
             } else if line == "---" && number == 0 {
-                skipping = Some("---");
+                skipping = Some(("---", place));
+            } else if opens_directive(line) {
+                skipping = Some((DIRECTIVE_END, place));
             } else if let Some(comment) = line.strip_prefix("%%") {
                 self.comment(comment.trim(), place);
             } else if line.is_empty() {
@@ -125,16 +164,19 @@ impl Reader<'_> {
                     );
                 }
                 begun = true;
-            } else if line.starts_with("note ") && !line.contains(':') {
-                skipping = Some("end note");
+            } else if line.starts_with("note ") && !line.contains([':', '"']) {
+                skipping = Some(("end note", place));
             } else if line.starts_with("accDescr") && line.ends_with('{') {
-                skipping = Some("}");
+                skipping = Some(("}", place));
             } else {
-                self.line(line.trim_end_matches(';').trim_end(), place);
+                self.line(uncommented(line).trim_end_matches(';').trim_end(), place);
             }
             if !self.is_within_limits(start) {
                 return;
             }
+        }
+        if let Some((end, place)) = skipping {
+            return self.wrong(place, Code::ImportSyntax, format!("no `{end}` ends what begins here"));
         }
         if !begun {
             self.wrong(

@@ -153,7 +153,8 @@ impl Reader<'_> {
 
     fn transitions(&mut self, element: &Element, node: usize) {
         for transition in element.children.iter().filter(|c| c.name == "transition") {
-            if let Some(first) = transition.children.first() {
+            // What an editor notes of its drawing is no code.
+            if let Some(first) = transition.children.iter().find(|c| c.name != "editorinfo") {
                 self.code.push(first.place.clone());
             }
             if self.chart.nodes.get(node).is_some_and(|n| n.kind == Kind::History) {

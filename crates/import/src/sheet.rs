@@ -30,6 +30,13 @@ pub(crate) struct Event {
     pub below: Option<Vec<String>>,
 }
 
+impl Event {
+    /// Whether it occurs wherever the other does, and nowhere else.
+    pub(crate) fn is_at_place_of(&self, other: &Event) -> bool {
+        (&self.source, &self.when, &self.below) == (&other.source, &other.when, &other.below)
+    }
+}
+
 /// Where an event comes from, by the parts of a path.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Source {

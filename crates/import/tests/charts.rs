@@ -99,6 +99,58 @@ fn arrows_without_labels_are_moves_that_are_allowed() {
 }
 
 #[test]
+fn what_is_written_for_the_eye_says_nothing_and_hides_nothing() {
+    let text = "%%{init: {\n  'theme': 'base',\n  'x': {}\n}}%%\nstateDiagram-v2\n    [*] --> a %% the first\n    note \"on its own\" as n\n    \
+                a:::big --> b %% no label\n    b --> a : 50 %% done\n    %%{wrap}%%\n    linkStyle 1 stroke:red\n";
+    let machine = expect![[r#"
+        event b
+        event _50_done
+
+        machine m {
+            initial a
+            state a
+            state b on b
+            a -> b
+            b -> a on _50_done
+        }
+    "#]];
+    check("m.mmd", text, machine);
+    for (begins, told) in
+        [("note right of a", "note right of a"), ("accDescr {", "accDescr {"), ("%%{init: {", "%%{init: {")]
+    {
+        let came = imported("m.mmd", &format!("stateDiagram-v2\n[*] --> a\n{begins}\na --> b\n"));
+        assert_eq!((&*came.found, &*came.text), (&*format!("import-syntax: {told:?}\n"), ""), "what is not ended");
+    }
+}
+
+#[test]
+fn regions_within_states_that_hold_nothing_else_are_machines() {
+    let oven = |inside: &str| {
+        let text = "<scxml><state id='oven'><initial><transition target='parts'/></initial>INSIDE<parallel id='parts'>\
+                    <state id='heat'><state id='off'><transition event='on' target='hot'><q:editorinfo/></transition></state><state id='hot'/></state>\
+                    <state id='door'><state id='shut'/></state></parallel></state></scxml>";
+        imported("m.scxml", &text.replace("INSIDE", inside).replace("<scxml>", "<scxml xmlns:q='x'>")).sound()
+    };
+    let came = oven("");
+    assert_eq!(came.text.matches("machine m_").count(), 2, "{}", came.text);
+    assert_eq!(came.found, "", "what an editor keeps is no code");
+    assert!(oven("<transition event='e' target='oven'/>").found.starts_with("import-refused"));
+}
+
+#[test]
+fn a_region_that_is_left_for_itself_begins_anew() {
+    let text = "<scxml><parallel id='p'><state id='l'><transition event='again' target='l'/><state id='a'><transition event='e' target='b'/></state>\
+                <state id='b'/></state><state id='r'><state id='x'/></state></parallel></scxml>";
+    let came = imported("m.scxml", text).sound();
+    assert!(
+        came.text.contains("    a -> a on again\n") && came.text.contains("    b -> a on again\n"),
+        "{}",
+        came.text
+    );
+    assert_eq!(after(&came.text, &["e", "again"]), "a");
+}
+
+#[test]
 fn a_chart_in_scxml() {
     let text = r#"<?xml version="1.0"?>
 <scxml xmlns="http://www.w3.org/2005/07/scxml" version="1.0" initial="idle" name="robot">

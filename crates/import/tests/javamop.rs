@@ -129,6 +129,7 @@ fn formulas_are_read_in_all_their_spellings() {
         ("[](a ^ b)", "[] !(a <=> b)"),
         ("[](o a => [*] b)", "[] (o a => [*] b)"),
         ("[](true => ~ ~ a)", "[] (true => a)"),
+        ("[](a and not (b or c))", "[] (a and !(b or c))"),
         // Without `[]`: the past is asked everywhere anyway, what leads on is too, and what is to happen once is not.
         ("a => (*) b", "a => (*) b"),
         ("a => <> b", "[] (a => <> b)"),
@@ -150,7 +151,7 @@ fn formulas_are_read_in_all_their_spellings() {
 
 #[test]
 fn parameters_are_one_object_or_slices() {
-    let text = "U(Coll c, Iter i) {\n  creation event create after(Coll c) returning(Iter i): call(Iter Coll.iter()) && target(c) {}\n  \
+    let text = "U(Coll c, Iter i) {\n  event create after(Coll c) returning(Iter i): call(Iter Coll.iter()) && target(c) {}\n  \
                 event update before(Coll c): call(void Coll.add()) && target(c) {}\n  event use before(Iter i): call(void Iter.next()) && target(i) {}\n  \
                 ltl: [](create => !<>(update and <> use))\n}\n";
     let auto = imported("u.mop", text).sound();
@@ -216,6 +217,80 @@ fn automata_are_violated_where_their_handlers_would_run() {
             assert_eq!(verdict(&spec, &word) == "violated", runs(&letters), "{rest}: {letters}\n{}", came.text);
         }
     }
+}
+
+#[test]
+fn automata_begin_where_the_originals_do() {
+    type Runs = fn(&str) -> bool;
+    let (plain, late) = ("event", "creation event");
+    // The words before the monitor, those before its event `a`, and by the letters of a word: whether the handler runs.
+    let cases: [(&str, &str, &str, Runs); 6] = [
+        ("", plain, "ere: a a @match { __RESET; }", |w| w.starts_with("aa")),
+        ("suffix ", plain, "ere: a a @match { __RESET; }", |w| w.contains("aa")),
+        ("unsynchronized suffix ", plain, "ere: a b a @match { __RESET; }", |w| w.contains("aba")),
+        ("suffix ", plain, "fsm: s [ a -> t b -> s ] t [ a -> t ] @fail { __RESET; }", |w| w.contains("ab")),
+        ("", late, "ere: a a @match { __RESET; }", |w| w.trim_start_matches('b').starts_with("aa")),
+        ("", late, "fsm: s [ a -> t ] t [ b -> s ] @fail { __RESET; }", |w| w.contains("aa") || w.contains("abb")),
+    ];
+    for (before, creation, rest, runs) in cases {
+        let a = format!("{creation} a before(R r): call(void R.a()) {{}}");
+        let text = format!("{before}M(R r) {{ {a} event b before(R r): call(void R.b()) {{}} {rest} }}");
+        let came = imported("m.mop", &text).sound();
+        let spec = Spec::parse("m.rv", &came.text, &|_| None).unwrap();
+        for word in words(&["a", "b"], 5) {
+            let letters = word.concat();
+            assert_eq!(verdict(&spec, &word) == "violated", runs(&letters), "{text}: {letters}\n{}", came.text);
+        }
+        // After a reset it waits again, and the original does not.
+        assert_eq!(came.found.contains("import-differs: \"a\""), creation == late, "{text}\n{}", came.found);
+    }
+}
+
+#[test]
+fn what_stands_before_a_monitor_or_an_event_is_heeded_or_mentioned() {
+    let differs = |text: &str| {
+        let came = imported("m.mop", text).sound();
+        let differs = came.found.lines().filter(|l| l.starts_with("import-differs")).collect::<Vec<_>>();
+        differs.join(" ").replace("import-differs: ", "")
+    };
+    let rest = "(R r) { event a before(R r): call(void R.a()) {} event b before(R r): call(void R.b()) {} ltl: [](a => (*) b) }";
+    for (before, said) in [
+        ("unsynchronized full-binding decentralized ", ""),
+        ("perthread ", "\"perthread\""),
+        ("avoid ", "\"avoid\""),
+        ("enforce connected ", "\"enforce\""),
+        ("suffix ", "\"suffix\""),
+    ] {
+        assert_eq!(differs(&format!("{before}M{rest}")), said, "{before}");
+    }
+    // A formula is judged from the beginning, whichever event the original begins with.
+    assert_eq!(differs(&format!("M{}", rest.replacen("event", "static creation event", 1))), "\"a\"");
+    assert_eq!(differs(&format!("M{}", rest.replace("event", "creation event"))), "");
+    // The past alone is judged at every event, by either name; in `ltl` JavaMOP would judge the first.
+    for (formalism, said) in [("ptltl", ""), ("ltl", "import-first-position: \"a => (*) b\"\n")] {
+        let came = imported("m.mop", &monitor(ABC, &format!("{formalism}: a => (*) b"))).sound();
+        assert_eq!((line(&came.text, "property"), &*came.found), ("property m over (c): ltl(a => (*) b)", said));
+    }
+}
+
+#[test]
+fn events_in_the_place_of_a_call_and_at_overloads() {
+    let events = "event a Integer around(Robot r): call(Integer R.a()) { return 1; }\n\
+                  event b java.util.List<int[]> around(Robot r): call(* R.b()) {}\nevent c around(): call(* R.c()) {}\n\
+                  event d before(): call(void R.d(int)) || call(void R.d(int, int)) {}\n\
+                  event f before(): call(* R.get*(..)) || call(* R.set*(..)) || call(void R.f()) || call(void R.f(int)) {}";
+    let came = imported("m.mop", &monitor(events, "ltl: [] !(a or b or c or d or f)")).sound();
+    let told: Vec<&str> = came.text.lines().filter(|l| l.starts_with("event")).collect();
+    let calls = ["event a = call R::a", "event b = call R::b", "event c = call R::c", "event d = call R::d"];
+    assert_eq!(told, [&calls[..], &["event f_1", "event f_2 = call R::f"]].concat());
+    assert_eq!(came.found.matches("import-event").count(), 2, "each pattern is said at its place\n{}", came.found);
+
+    // One event said several times is one; two at one place are told apart by nothing.
+    let events = "event a void around(): call(* R.a()) {}\nevent a boolean around(): call(* R.a()) {}\n\
+                  event b before(): call(R.new(int)) {}\nevent c before(): call(R.new()) {}";
+    let came = imported("m.mop", &monitor(events, "ere: b c a @match { __RESET; }")).sound();
+    assert!(came.text.contains("state match when a or b or c\n"), "{}", came.text);
+    assert_eq!(came.found, "import-differs: \"c\"\n");
 }
 
 #[test]
@@ -290,7 +365,7 @@ fn what_is_wrong_is_said_at_its_place() {
         ("ltl: [](a => bb)", "import-syntax: \"bb\""),
         ("ltl: [] a b", "import-syntax: \"b\""),
         ("ltl:", "import-syntax: \"\""),
-        ("ptltl: <*> a", "import-refused: \"ptltl\""),
+        ("ptltl: a => <> b", "import-syntax: \"a => <> b\""),
         ("cfg: S -> a S b | epsilon", "import-refused: \"cfg\""),
         ("srs: a -> b.", "import-refused: \"srs\""),
         ("fsm: s [ a -> t ]", "import-syntax: \"t\""),
@@ -300,7 +375,7 @@ fn what_is_wrong_is_said_at_its_place() {
         ("ere: a (b", "import-syntax: \"\""),
         ("ere: a d", "import-syntax: \"d\""),
         ("@violation { }", "import-syntax: \"violation\""),
-        ("event f around(): call(void R.f()) { }", "import-syntax: \"around\""),
+        ("event f instead(): call(void R.f()) { }", "import-syntax: \"instead\""),
         ("", "import-refused: \"M\""),
     ] {
         let came = imported("m.mop", &monitor(ABC, rest));

@@ -50,13 +50,17 @@ fn roots(chart: &Chart) -> Vec<(usize, String)> {
         let frame = |c: &usize| chart.nodes.get(*c).map(|n| (*c, n.id.clone()));
         return whole.children.iter().filter_map(frame).flat_map(|(c, name)| regions(chart, c, name)).collect();
     }
-    // Regions that are all there is.
-    match whole.children[..] {
-        [only] if chart.nodes.get(only).is_some_and(|n| n.kind == Kind::Parallel) && !touches(only) => {
-            regions(chart, only, chart.name.clone())
+    // Regions that are all there is, perhaps within states that hold nothing else.
+    let mut inner = whole;
+    while let [only] = inner.children[..]
+        && let Some(node) = chart.nodes.get(only).filter(|_| !touches(only))
+    {
+        if node.kind == Kind::Parallel {
+            return regions(chart, only, chart.name.clone());
         }
-        _ => regions(chart, 0, chart.name.clone()),
+        inner = node;
     }
+    regions(chart, 0, chart.name.clone())
 }
 
 /// The regions of a node, if it has any; else itself.
@@ -189,9 +193,10 @@ impl<'c, 'r> Flat<'c, 'r> {
         let mut total = 0;
         for leaf in self.leaves.clone() {
             let mut ways = Vec::new();
-            let (mut node, mut level) = (leaf, 0);
-            while node != self.root && level <= super::MOST_DEPTH + 1 {
-                let chart = self.chart;
+            let (chart, root) = (self.chart, self.root);
+            // The root too: a region may be left for itself, and begins anew then.
+            let inside = chart.around(leaf).take_while(|n| chart.is_in(*n, root));
+            for (level, node) in inside.take(super::MOST_DEPTH + 2).enumerate() {
                 for (number, arrow) in chart.arrows.iter().enumerate().filter(|(_, a)| a.from == node) {
                     let mut way = Way {
                         level,
@@ -214,8 +219,6 @@ impl<'c, 'r> Flat<'c, 'r> {
                     }
                     self.follow(way, 0, &mut ways);
                 }
-                node = chart.nodes.get(node).map_or(self.root, |n| n.parent);
-                level += 1;
             }
             total += ways.len();
             if total > MOST_EDGES {

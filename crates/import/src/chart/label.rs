@@ -157,8 +157,8 @@ pub(crate) fn guard(text: &str) -> (Option<Expr>, bool) {
     let name = |parts: &[&str]| Some(expr::path(parts));
     let program = || condition::read(text, &Reading { name: &name, compares_truths: false }).ok();
     match formula(text, false).or_else(program) {
-        Some(when) => (Some(when), false),
-        None => (Some(expr::name(&slug(text))), true),
+        Some(when) if can_hold(&when) => (Some(when), false),
+        _ => (Some(expr::name(&slug(text))), true),
     }
 }
 
@@ -185,6 +185,20 @@ fn is_truth(e: &Expr) -> bool {
         | ExprKind::Infix(..)
         | ExprKind::Held(..) => true,
         _ => false,
+    }
+}
+
+/// Whether it can be a condition by its form, and so can its parts: a text and a sum are none, though some languages take them for true.
+fn can_hold(e: &Expr) -> bool {
+    match &e.kind {
+        ExprKind::Number(_) | ExprKind::Str(_) | ExprKind::Neg(_) => false,
+        ExprKind::Binary(operator, left, right) => match operator {
+            Binary::Add | Binary::Sub | Binary::Mul | Binary::Div => false,
+            Binary::And | Binary::Or | Binary::Implies | Binary::Iff => can_hold(left) && can_hold(right),
+            _ => true,
+        },
+        ExprKind::Not(of) => can_hold(of),
+        _ => true,
     }
 }
 
@@ -227,6 +241,8 @@ mod tests {
             ("[the ball is near]", "when the_ball_is_near prose"),
             ("go [f(x)]", "on go when f_x prose"),
             ("[always x > 1]", "when always_x_1 prose"),
+            ("['gone']", "when gone prose"),
+            ("[!(ready && 2 * n)]", "when ready_2_n prose"),
             ("kick / beep", "on kick action"),
             ("kick[x] / y / z", "on kick when x action"),
             ("/ beep", "action"),

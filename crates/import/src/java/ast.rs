@@ -6,6 +6,8 @@ use super::cursor::{Cursor, Name};
 
 /// `Init(Kicker MK) { … }`
 pub(crate) struct Spec<'t> {
+    /// The words before its name: `suffix`, `perthread` and their like.
+    pub modifiers: Vec<Name>,
     pub name: Name,
     pub parameters: Vec<Parameter>,
     pub events: Vec<Event<'t>>,
@@ -31,6 +33,8 @@ pub(crate) enum Side {
 /// `event ready after(Kicker MK) returning(boolean res): … { … }`
 pub(crate) struct Event<'t> {
     pub name: Name,
+    /// Whether it is a `creation event`: a monitor begins with one of these, and sees nothing before.
+    pub creates: bool,
     pub side: Side,
     pub parameters: Vec<Parameter>,
     pub returning: Option<Parameter>,

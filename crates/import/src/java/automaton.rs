@@ -14,6 +14,7 @@ use crate::sheet::{Edge, Machine, State};
 pub(super) const MOST_STATES: usize = 64;
 
 /// A complete automaton; it begins in state 0.
+#[derive(Clone, Debug)]
 pub(super) struct Automaton {
     /// The names of the states.
     pub states: Vec<String>,

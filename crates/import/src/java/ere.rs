@@ -376,7 +376,8 @@ mod tests {
 
     #[test]
     fn automata_accept_the_words_of_their_expressions() {
-        let is_in: [(&str, fn(&str) -> bool); 7] = [
+        type Words = fn(&str) -> bool;
+        let is_in: [(&str, Words); 7] = [
             ("a b*", |w| w.strip_prefix('a').is_some_and(|rest| !rest.contains('a'))),
             ("(a b)+", |w| !w.is_empty() && w.replace("ab", "").is_empty()),
             ("~(a*)", |w| w.contains('b')),

@@ -47,20 +47,23 @@ pub(super) fn declare(spec: &str, event: &Event<'_>, sheet: &mut Sheet, report: 
             vec![Vec::new()]
         }
     };
-    let several = found.len() > 1;
+    let mut all: Vec<sheet::Event> = Vec::new();
+    for parts in &found {
+        let declared = found_at(event, parts, &mut binds).unwrap_or_else(|(place, why)| {
+            let place = report.span(place.start, place.end);
+            unsaid(event, report, place, &why);
+            blank()
+        });
+        // Overloads of a function are one function in Rust, and whatever is told by its name is told by one.
+        if !all.contains(&declared) {
+            all.push(declared);
+        }
+    }
+    let several = all.len() > 1;
     let mut names = Vec::new();
-    for (number, parts) in found.iter().enumerate() {
+    for (number, declared) in all.into_iter().enumerate() {
         let wanted = if several { format!("{}_{}", event.name.text, number + 1) } else { event.name.text.clone() };
-        let mut declared = match found_at(event, parts, &mut binds) {
-            Ok(declared) => declared,
-            Err((place, why)) => {
-                let place = report.span(place.start, place.end);
-                unsaid(event, report, place, &why);
-                blank()
-            }
-        };
-        declared.name = slug(&wanted);
-        names.push(place_in(spec, event, declared, sheet, report));
+        names.push(place_in(spec, event, sheet::Event { name: slug(&wanted), ..declared }, sheet, report));
     }
     Meant { names, binds }
 }

@@ -3,7 +3,7 @@
 //! ```text
 //! text ──lexer──▶ tokens ──parser──▶ ast ──event──▶ events ┐
 //!                                      ├──ltl──▶ formula ──┼──▶ sheet
-//!                                      ├──fsm, ere──▶ automaton ──▶ state diagram
+//!                                      ├──fsm, ere──▶ automaton ──begin──▶ state diagram
 //!                                      └──handler──▶ reaction
 //! ```
 //!
@@ -22,6 +22,7 @@ mod fsm;
 mod ltl;
 
 mod automaton;
+mod begin;
 mod handler;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -33,6 +34,7 @@ use crate::names::{slug, snake};
 use crate::sheet::{Item, Property, Reaction, Sheet};
 use crate::{Options, Parameters, Report, expr};
 use ast::{Block, Handler, Parameter, Spec};
+use automaton::Automaton;
 use cursor::{Cursor, Name};
 use event::Meant;
 
@@ -85,7 +87,8 @@ impl<'s, 't> Monitor<'s, 't> {
             match events.get_mut(name) {
                 // JavaMOP lets several events share a name: each of them is it.
                 Some(known) => {
-                    known.names.extend(meant.names);
+                    let others = meant.names.into_iter().filter(|name| !known.names.contains(name));
+                    known.names.extend(others.collect::<Vec<_>>());
                     known.binds.extend(meant.binds);
                 }
                 None => {
@@ -103,14 +106,55 @@ impl<'s, 't> Monitor<'s, 't> {
         };
         let monitor = Monitor { spec, events, order, bound, each };
         monitor.mention_code(report);
+        monitor.mention_modifiers(report);
+        monitor.mention_twins(sheet, report);
         for block in &spec.blocks {
             monitor.block(block, sheet, report);
         }
         if spec.blocks.is_empty() {
             let span = report.span(spec.name.place.start, spec.name.place.end);
             let message = format!("the monitor `{}` has events and no formula", spec.name.text);
-            report.push(Diagnostic::new(Code::ImportRefused, span, message).label("there is nothing to judge"));
+            let diagnostic = Diagnostic::new(Code::ImportRefused, span, message).label("there is nothing to judge");
+            let help = monitor.order.first().map(|e| format!("if `{e}` is never to occur, say `ltl: [] !{e}`"));
+            report.push(help.into_iter().fold(diagnostic, Diagnostic::help));
         }
+    }
+
+    /// Words before the monitor's name that change what it is about.
+    fn mention_modifiers(&self, report: &mut Report) {
+        for modifier in &self.spec.modifiers {
+            let why = match modifier.text.as_str() {
+                "perthread" => "JavaMOP judges each thread on its own; here all are judged together",
+                "enforce" | "avoid" => "JavaMOP holds threads back before they violate the property; here it is judged",
+                _ => continue,
+            };
+            let span = report.span(modifier.place.start, modifier.place.end);
+            let message = format!("`{}` does not come along", modifier.text);
+            report.push(Diagnostic::new(Code::ImportDiffers, span, message).label(why));
+        }
+    }
+
+    /// Events that are at the same place: the types of arguments told them apart, or JavaMOP has them one after the other.
+    fn mention_twins(&self, sheet: &Sheet, report: &mut Report) {
+        let declared = |name: &String| sheet.events.iter().find(|e| e.name == *name && e.source.is_some());
+        let places = |event: &&str| self.names(event).iter().filter_map(declared).collect::<Vec<_>>();
+        for (number, event) in self.order.iter().enumerate() {
+            let own = places(event);
+            let is_twin = |other: &&&str| places(other).iter().any(|a| own.iter().any(|b| a.is_at_place_of(b)));
+            let Some(twin) = self.order[..number].iter().find(is_twin) else { continue };
+            let Some(name) = self.spec.events.iter().map(|e| &e.name).find(|n| n.text == *event) else { continue };
+            let span = report.span(name.place.start, name.place.end);
+            let message = format!("`{event}` and `{twin}` always occur at once");
+            report.push(
+                Diagnostic::new(Code::ImportDiffers, span, message)
+                    .label("at the same place; in JavaMOP one of them, or one after the other")
+                    .help("overloads of Java are functions with names of their own in Rust: give each event its own"),
+            );
+        }
+    }
+
+    fn modifier(&self, word: &str) -> Option<&Name> {
+        self.spec.modifiers.iter().find(|m| m.text == word)
     }
 
     /// Java that does more than to remember an object for the handlers.
@@ -137,14 +181,14 @@ impl<'s, 't> Monitor<'s, 't> {
                     report.push(Diagnostic::new(Code::ImportDiffers, span, message).fix(span, formalism.word()));
                 }
                 match formalism {
-                    Formalism::Ltl => self.ltl(block, sheet, report),
+                    Formalism::Ltl | Formalism::PtLtl => self.ltl(formalism, block, sheet, report),
                     Formalism::Fsm => self.fsm(block, sheet, report),
                     Formalism::Ere => self.ere(block, sheet, report),
                 }
             }
             None => {
                 let message = format!("formulas in `{}` are not carried over", written.text);
-                let help = "`ltl`, `fsm` and `ere` are; past operators may stand in an `ltl` formula";
+                let help = "`ltl`, `ptltl`, `fsm` and `ere` are";
                 report.push(
                     Diagnostic::new(Code::ImportRefused, span, message).label("the property is left out").help(help),
                 );
@@ -161,13 +205,20 @@ impl<'s, 't> Monitor<'s, 't> {
         self.order.iter().map(|e| self.names(e).to_vec()).collect()
     }
 
-    fn ltl(&self, block: &Block<'_>, sheet: &mut Sheet, report: &mut Report) {
+    fn ltl(&self, formalism: Formalism, block: &Block<'_>, sheet: &mut Sheet, report: &mut Report) {
         let event = |name: &str| expr::any(self.names(name));
         let alphabet = ltl::Alphabet { event: &event, names: self.order.clone() };
         let place = block.formula.span();
         let Some(formula) = ltl::read(block.formula, &alphabet, report) else { return };
+        let of_past = matches!(formalism, Formalism::PtLtl);
+        if of_past && ltl::has_future(&formula) {
+            let message = "a formula in `ptltl` is about the past: `[]`, `<>`, `o` and `U` have no place in it";
+            let wrong = Diagnostic::new(Code::ImportSyntax, report.span(place.start, place.end), message);
+            return report.push(wrong.label("the property is left out").help("in `ltl` they have"));
+        }
+        self.mention_begin(report);
         let judged = ltl::everywhere(formula);
-        if judged.differs {
+        if judged.differs && !of_past {
             let message = "the formula has no `[]`: it is checked at every event";
             report.push(
                 Diagnostic::new(Code::ImportFirstPosition, report.span(place.start, place.end), message)
@@ -187,6 +238,24 @@ impl<'s, 't> Monitor<'s, 't> {
                 _ => no_counterpart(handler, "a reaction answers violations alone", report),
             }
         }
+    }
+
+    /// Where a formula is judged from another event on than in JavaMOP.
+    fn mention_begin(&self, report: &mut Report) {
+        let late = self.spec.events.iter().find(|e| e.creates);
+        let late = late.filter(|_| self.spec.events.iter().any(|e| !e.creates)).map(|e| &e.name);
+        let (name, message, why) = match (self.modifier("suffix"), late) {
+            (Some(suffix), _) => {
+                (suffix, "`suffix` does not come along", "JavaMOP judges from every event on".to_owned())
+            }
+            (None, Some(event)) => {
+                let why = format!("JavaMOP sees nothing before the first `{}`", event.text);
+                (event, "the formula is judged from the beginning of the run", why)
+            }
+            (None, None) => return,
+        };
+        let span = report.span(name.place.start, name.place.end);
+        report.push(Diagnostic::new(Code::ImportDiffers, span, message).label(why));
     }
 
     /// The quantifiers of a formula, where there are to be any.
@@ -263,7 +332,7 @@ impl<'s, 't> Monitor<'s, 't> {
     fn automaton(
         &self,
         block: &Block<'_>,
-        automaton: &automaton::Automaton,
+        automaton: &Automaton,
         targets: &dyn Fn(&str) -> Option<BTreeSet<usize>>,
         failing: BTreeSet<usize>,
         sheet: &mut Sheet,
@@ -281,7 +350,9 @@ impl<'s, 't> Monitor<'s, 't> {
         let base = snake(&self.spec.name.text);
         let letters = self.letters();
         let several = block.handlers.len() > 1;
-        if block.handlers.is_empty() {
+        if block.handlers.is_empty()
+            && let Some((automaton, failing)) = self.begun(block, automaton, failing, report)
+        {
             let name = sheet.taken.take(&base);
             sheet.items.push(Item::Machine(automaton.machine(name, &failing, "fail", &letters)));
         }
@@ -291,10 +362,10 @@ impl<'s, 't> Monitor<'s, 't> {
                 no_counterpart(handler, "there is no such state", report);
                 continue;
             };
+            let Some((automaton, targets)) = self.begun(block, automaton, targets, report) else { return };
             let name = sheet.taken.take(&if several { format!("{base}_{word}") } else { base.clone() });
             sheet.items.push(Item::Machine(automaton.machine(name.clone(), &targets, &word, &letters)));
-            let resets = handler.body.rest().iter().any(|t| self.spec_text(t.range()) == "__RESET");
-            if !resets && !automaton.keeps(&targets) {
+            if !self.resets(handler) && !automaton.keeps(&targets) {
                 let span = report.span(handler.name.place.start, handler.name.place.end);
                 let message = format!("the state diagram stays in `{word}` once it is there");
                 let help = "with `__RESET` in the handler both begin anew";
@@ -304,6 +375,42 @@ impl<'s, 't> Monitor<'s, 't> {
             }
             self.reaction(&name, handler, sheet, report);
         }
+    }
+
+    /// The automaton of a monitor that begins when the original does, and its targets; `None` where it has too many states, which is reported.
+    fn begun(
+        &self,
+        block: &Block<'_>,
+        automaton: &Automaton,
+        targets: BTreeSet<usize>,
+        report: &mut Report,
+    ) -> Option<(Automaton, BTreeSet<usize>)> {
+        let mut begun = (automaton.clone(), targets);
+        if let Some(suffix) = self.modifier("suffix") {
+            let Some(anew) = begin::at_every_event(&begun.0, &begun.1) else {
+                let span = report.span(suffix.place.start, suffix.place.end);
+                let message = format!("the `suffix` monitor has more than {} states", automaton::MOST_STATES);
+                report.push(Diagnostic::new(Code::ImportRefused, span, message).label("the property is left out"));
+                return None;
+            };
+            begun = anew;
+        }
+        let begins = |name: &&&str| self.spec.events.iter().any(|e| e.creates && e.name.text == ***name);
+        let creating: Vec<bool> = self.order.iter().map(|name| begins(&name)).collect();
+        let Some(late) = begin::at_creation(&begun.0, &begun.1, &creating) else { return Some(begun) };
+        let resets = block.handlers.iter().any(|h| self.resets(h));
+        if let Some(event) = self.spec.events.iter().find(|e| e.creates).filter(|_| resets) {
+            let span = report.span(event.name.place.start, event.name.place.end);
+            let message = format!("after `reset` the state diagram waits for `{}` again", event.name.text);
+            let why = "JavaMOP's monitor has begun once and for all";
+            report.push(Diagnostic::new(Code::ImportDiffers, span, message).label(why));
+        }
+        Some(late)
+    }
+
+    /// Whether a handler puts its monitor back to the beginning.
+    fn resets(&self, handler: &Handler<'_>) -> bool {
+        handler.body.rest().iter().any(|t| self.spec_text(t.range()) == "__RESET")
     }
 
     fn spec_text(&self, place: std::ops::Range<usize>) -> &'t str {
@@ -359,6 +466,8 @@ fn names_in(e: &Expr, names: &mut BTreeSet<String>) {
 #[derive(Clone, Copy)]
 enum Formalism {
     Ltl,
+    /// The past alone, judged at every event.
+    PtLtl,
     Fsm,
     Ere,
 }
@@ -367,6 +476,7 @@ impl Formalism {
     fn word(self) -> &'static str {
         match self {
             Formalism::Ltl => "ltl",
+            Formalism::PtLtl => "ptltl",
             Formalism::Fsm => "fsm",
             Formalism::Ere => "ere",
         }
@@ -375,7 +485,7 @@ impl Formalism {
 
 /// The formalism of that name, and whether the name is spelt as it should be: what was scanned has `Itl` for `ltl`.
 fn formalism(word: &str) -> Option<(Formalism, bool)> {
-    let all = [Formalism::Ltl, Formalism::Fsm, Formalism::Ere];
+    let all = [Formalism::Ltl, Formalism::PtLtl, Formalism::Fsm, Formalism::Ere];
     let exact = all.into_iter().find(|f| f.word() == word).map(|f| (f, true));
     let scanned = word.to_lowercase().replace(['i', '1', '|'], "l");
     exact.or_else(|| all.into_iter().find(|f| f.word() == scanned).map(|f| (f, false)))

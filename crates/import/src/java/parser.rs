@@ -9,6 +9,8 @@ use crate::Report;
 
 /// Pointcuts nest no deeper.
 const MOST_DEPTH: usize = 32;
+/// The type of what an `around` event returns has no more tokens.
+const MOST_TYPE: usize = 32;
 
 /// The words that may stand before a monitor's name.
 const MODIFIERS: &[&str] = &[
@@ -27,11 +29,14 @@ const MODIFIERS: &[&str] = &[
 /// All monitors of a file.
 pub(crate) fn parse<'t>(mut cursor: Cursor<'t>, report: &mut Report) -> Vec<Spec<'t>> {
     let mut specs = Vec::new();
+    let mut modifiers = Vec::new();
     while !cursor.is_end() {
         if matches!(cursor.peek(0), "import" | "package") {
             cursor.until(|c| c.peek(0) == ";");
             cursor.next();
-        } else if MODIFIERS.contains(&cursor.peek(0)) || cursor.eat(&["-"]) {
+        } else if MODIFIERS.contains(&cursor.peek(0)) {
+            modifiers.extend(cursor.name());
+        } else if cursor.eat(&["-"]) {
             cursor.next();
             // `full-binding`
         } else if matches!(cursor.peek(0), "full" | "maximal" | "any") && cursor.peek(1) == "-" {
@@ -42,7 +47,7 @@ pub(crate) fn parse<'t>(mut cursor: Cursor<'t>, report: &mut Report) -> Vec<Spec
             report.push(Diagnostic::new(Code::ImportDiffers, report.span(place.start, place.end), message));
             cursor.next();
         } else {
-            match spec(&mut cursor, report) {
+            match spec(&mut cursor, std::mem::take(&mut modifiers), report) {
                 Some(spec) => specs.push(spec),
                 None => break,
             }
@@ -65,7 +70,7 @@ fn wrong(report: &mut Report, cursor: &Cursor<'_>, expected: &str) -> Diagnostic
 }
 
 /// `NAME(PARAMETERS) { … }`
-fn spec<'t>(cursor: &mut Cursor<'t>, report: &mut Report) -> Option<Spec<'t>> {
+fn spec<'t>(cursor: &mut Cursor<'t>, modifiers: Vec<Name>, report: &mut Report) -> Option<Spec<'t>> {
     let is_monitor = cursor.peek(1) == "(" && !matches!(cursor.peek(0), "if" | "for" | "while" | "switch" | "catch");
     let name = if is_monitor { cursor.name() } else { None };
     let Some(name) = name else {
@@ -81,7 +86,7 @@ fn spec<'t>(cursor: &mut Cursor<'t>, report: &mut Report) -> Option<Spec<'t>> {
         report.push(diagnostic);
         return None;
     };
-    let mut spec = Spec { name, parameters, events: Vec::new(), blocks: Vec::new(), members: Vec::new() };
+    let mut spec = Spec { modifiers, name, parameters, events: Vec::new(), blocks: Vec::new(), members: Vec::new() };
     while !body.is_end() {
         member(&mut body, &mut spec, report);
     }
@@ -91,11 +96,13 @@ fn spec<'t>(cursor: &mut Cursor<'t>, report: &mut Report) -> Option<Spec<'t>> {
 /// An event, a formula with its handlers, or something of Java.
 fn member<'t>(body: &mut Cursor<'t>, spec: &mut Spec<'t>, report: &mut Report) {
     let is_event = |c: &Cursor<'_>| c.peek(0) == "event" && c.ahead(1).is_some_and(|t| t.kind == Kind::Word);
-    if matches!(body.peek(0), "creation" | "static") && body.peek(1) == "event" {
+    let mut creates = false;
+    while matches!(body.peek(0), "creation" | "static") && matches!(body.peek(1), "creation" | "static" | "event") {
+        creates |= body.peek(0) == "creation";
         body.next();
     }
     if is_event(body) {
-        spec.events.extend(event(body, report));
+        spec.events.extend(event(body, creates, report));
     } else if begins_formula(body) {
         spec.blocks.extend(block(body));
     } else if body.peek(0) == "@" {
@@ -161,16 +168,22 @@ fn parameter(mut part: Cursor<'_>) -> Option<Parameter> {
     Some(Parameter { class: class.map(|c: Name| c.text).unwrap_or_default(), name: name? })
 }
 
-/// `event NAME before|after (…) returning (…) : POINTCUT { … }`
-fn event<'t>(body: &mut Cursor<'t>, report: &mut Report) -> Option<Event<'t>> {
+/// `event NAME before|after|TYPE around (…) returning (…) : POINTCUT { … }`
+fn event<'t>(body: &mut Cursor<'t>, creates: bool, report: &mut Report) -> Option<Event<'t>> {
     let start = body.place().start;
     body.next();
     let name = body.name()?;
+    // `Integer around(…)`: what is returned in the place of the call stands before the word.
+    let of_type = |by: &usize| !matches!(body.peek(*by), "" | "(" | ":" | "{" | ";");
+    if let Some(by) = (0..MOST_TYPE).take_while(of_type).find(|by| body.peek(*by) == "around") {
+        body.take(by);
+    }
     let side = match body.peek(0) {
-        "before" => Side::Before,
+        // The event is there before the call is made, or is not.
+        "before" | "around" => Side::Before,
         "after" => Side::After,
         _ => {
-            let diagnostic = wrong(report, body, "`before` or `after`");
+            let diagnostic = wrong(report, body, "`before`, `after` or `around`");
             report.push(diagnostic.label("when is the event?"));
             java(body);
             return None;
@@ -200,7 +213,7 @@ fn event<'t>(body: &mut Cursor<'t>, report: &mut Report) -> Option<Event<'t>> {
     let place = start..body.before();
     let advice = body.group("{", "}").unwrap_or_else(|| Cursor::new(body.text, &[]));
     body.eat(&[";"]);
-    Some(Event { name, side, parameters, returning, throwing, pointcut, place, advice })
+    Some(Event { name, creates, side, parameters, returning, throwing, pointcut, place, advice })
 }
 
 fn pointcut<'t>(mut written: Cursor<'t>, report: &mut Report) -> Pointcut<'t> {

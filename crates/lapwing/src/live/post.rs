@@ -35,8 +35,11 @@ pub(crate) struct Post<'s> {
     /// Whether its monitors note what the signals do, for whoever looks on.
     pub draws: bool,
     /// What has been said of the specification and this graph.
-    said: BTreeSet<(String, Option<(String, usize, usize)>)>,
+    said: BTreeSet<Said>,
 }
+
+/// What a warning says, and where it points.
+type Said = (String, Option<(String, usize, usize)>);
 
 /// What is known of a property.
 struct Known {

@@ -41,7 +41,8 @@ impl Library {
     }
 
     /// The full names of all messages that it has: those of the share trees, 65,536 of them at most, and the bundled ones. What a service is asked is
-    /// the message `pkg/Name_Request`, what it answers `pkg/Name_Response`.
+    /// the message `pkg/Name_Request`, what it answers `pkg/Name_Response`; those of an action are `pkg/action/Name_Goal`, `_Result`, `_Feedback`
+    /// and `_FeedbackMessage`.
     pub fn names(&self) -> Vec<String> {
         let mut names = BTreeSet::new();
         for tree in &self.trees {
@@ -153,14 +154,25 @@ const MOST: usize = 1 << 16;
 /// What follows the name of a service in those of its two messages.
 const HALVES: [&str; 2] = ["_Request", "_Response"];
 
+/// What follows the name of an action in those of its messages: the three parts of its definition, and what a server publishes while it is at work.
+const PARTS: [&str; 4] = ["_Goal", "_Result", "_Feedback", FEEDBACK_MESSAGE];
+const FEEDBACK_MESSAGE: &str = "_FeedbackMessage";
+
 fn installed_text(tree: &Path, dialect: Dialect, name: &str) -> Result<Option<(Dialect, String)>, DefinitionError> {
     let Some((package, ty)) = name.split_once('/') else { return Ok(None) };
-    if !is_plain(package) || !is_plain(ty) {
+    let of_action = ty.strip_prefix("action/");
+    if !is_plain(package) || !is_plain(of_action.unwrap_or(ty)) {
         return Ok(None);
     }
     let folders =
         [tree.join(package), tree.join("share").join(package), tree.join(package).join("share").join(package)];
     for folder in folders {
+        if let Some(ty) = of_action {
+            match part_of_action(&folder, package, ty)? {
+                Some(text) => return Ok(Some((Dialect::Ros2, text))),
+                None => continue,
+            }
+        }
         for (dialect, file) in [(dialect, format!("msg/{ty}.msg")), (Dialect::Idl, format!("msg/{ty}.idl"))] {
             let file = folder.join(file);
             if file.is_file() {
@@ -170,11 +182,27 @@ fn installed_text(tree: &Path, dialect: Dialect, name: &str) -> Result<Option<(D
         for (half, suffix) in HALVES.iter().enumerate() {
             let file = ty.strip_suffix(suffix).map(|service| folder.join(format!("srv/{service}.srv")));
             if let Some(file) = file.filter(|file| file.is_file()) {
-                return read(&file).map(|text| Some((dialect, half_of(&text, half))));
+                return read(&file).map(|text| Some((dialect, part_of(&text, half))));
             }
         }
     }
     Ok(None)
+}
+
+/// The definition of a message of an action that is in the folder of its package.
+fn part_of_action(folder: &Path, package: &str, ty: &str) -> Result<Option<String>, DefinitionError> {
+    let of_part = |(part, end): (usize, &&str)| Some((ty.strip_suffix(end)?.to_owned(), part));
+    let Some((action, part)) = PARTS.iter().enumerate().find_map(of_part) else { return Ok(None) };
+    let file = folder.join(format!("action/{action}.action"));
+    if !file.is_file() {
+        return Ok(None);
+    }
+    if ty.ends_with(FEEDBACK_MESSAGE) {
+        // As `rosidl` makes it: whose goal it is about, and the third part.
+        let fields = format!("unique_identifier_msgs/UUID goal_id\n{package}/action/{action}_Feedback feedback\n");
+        return Ok(Some(fields));
+    }
+    read(&file).map(|text| Some(part_of(&text, part)))
 }
 
 /// Whether a word can be a name of ROS, and no path.
@@ -182,11 +210,11 @@ fn is_plain(word: &str) -> bool {
     !word.is_empty() && word.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_')
 }
 
-/// What stands in the definition of a service before its line of dashes, or behind it.
-fn half_of(text: &str, half: usize) -> String {
-    let parts = text.split_inclusive('\n').collect::<Vec<_>>();
-    let mut halves = parts.split(|line| line.trim() == "---");
-    halves.nth(half).unwrap_or_default().concat()
+/// What stands in the definition of a service or an action between its lines of dashes.
+fn part_of(text: &str, part: usize) -> String {
+    let lines = text.split_inclusive('\n').collect::<Vec<_>>();
+    let mut parts = lines.split(|line| line.trim() == "---");
+    parts.nth(part).unwrap_or_default().concat()
 }
 
 /// The folders in a folder, by name; none where it cannot be read.
@@ -207,7 +235,9 @@ fn list(package: &str, folder: &Path, names: &mut BTreeSet<String>) {
     let messages = files("msg").filter_map(named).filter(|(_, end)| matches!(end.as_str(), "msg" | "idl"));
     let services = files("srv").filter_map(named).filter(|(_, end)| end == "srv");
     let halves = services.flat_map(|(stem, _)| HALVES.map(|half| stem.clone() + half));
-    for ty in messages.map(|(stem, _)| stem).chain(halves) {
+    let actions = files("action").filter_map(named).filter(|(_, end)| end == "action");
+    let parts = actions.flat_map(|(stem, _)| PARTS.map(|part| format!("action/{stem}{part}")));
+    for ty in messages.map(|(stem, _)| stem).chain(halves).chain(parts) {
         if names.len() < MOST {
             names.insert(format!("{package}/{ty}"));
         }
@@ -255,6 +285,29 @@ mod tests {
         assert_eq!([fields("mine/Stop_Request"), fields("mine/Stop_Response")], [2, 1]);
         let mine: Vec<String> = library.names().into_iter().filter(|name| name.starts_with("mine/")).collect();
         assert_eq!(mine, ["mine/Stop_Request", "mine/Stop_Response"]);
+    }
+
+    #[test]
+    fn an_action_is_messages_and_what_is_published_of_it() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::create_dir_all(dir.path().join("mine/action")).unwrap();
+        let text = "geometry_msgs/Pose goal\nbool hard\n---\n---\nfloat32 left # metres\n";
+        fs::write(dir.path().join("mine/action/Dock.action"), text).unwrap();
+        let library = Library::new(&[dir.path().to_owned()]);
+        let fields = |part: &str| {
+            let layout = library.installed(&format!("mine/action/Dock{part}")).unwrap();
+            layout.schema().fields.iter().map(|f| f.name.to_string()).collect::<Vec<_>>().join(" ")
+        };
+        assert_eq!(PARTS.map(fields), ["goal hard", "", "left", "goal_id feedback"]);
+        let written = library.text("mine/action/Dock_FeedbackMessage").unwrap().unwrap();
+        for part in ["MSG: mine/action/Dock_Feedback\nfloat32 left", "MSG: unique_identifier_msgs/UUID\n"] {
+            assert!(written.contains(part), "{part} in\n{written}");
+        }
+        let names = library.names().into_iter().filter(|name| name.starts_with("mine/")).collect::<Vec<_>>();
+        assert_eq!(names.len(), PARTS.len(), "{names:?}");
+        for name in ["mine/action/Sail_Goal", "mine/action/Dock", "mine/action/../x_Goal", "mine/Dock_Goal"] {
+            assert!(library.installed(name).is_err(), "{name}");
+        }
     }
 
     #[test]

@@ -106,7 +106,7 @@ fn split(type_name: &str) -> Option<(&str, Option<&str>, &str)> {
     let is_word = |word: &&str| !word.is_empty() && word.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_');
     let words: Vec<&str> = type_name.split('/').collect();
     match words[..] {
-        _ if !words.iter().all(|w| is_word(w)) => None,
+        _ if !words.iter().all(is_word) => None,
         [package, kind @ ("msg" | "srv"), name] => Some((package, Some(kind), name)),
         [package, name] => Some((package, None, name)),
         _ => None,

@@ -104,7 +104,7 @@ mod tests {
             for f in fields {
                 w.text(&f.name).bytes(&[f.type_id]);
                 for number in [f.capacity, f.string_capacity] {
-                    while (w.clone().finish().len() - 4) % 8 != 0 {
+                    while !(w.clone().finish().len() - 4).is_multiple_of(8) {
                         w.bytes(&[0]);
                     }
                     w.bytes(&number.to_le_bytes());

@@ -45,7 +45,7 @@ pub fn type_name(on_wire: &str) -> String {
 pub fn full_type(name: &str) -> Option<String> {
     let is_word = |word: &&str| !word.is_empty() && word.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_');
     let parts: Vec<&str> = name.split('/').collect();
-    if !parts.iter().all(|p| is_word(p)) {
+    if !parts.iter().all(is_word) {
         return None;
     }
     match parts.as_slice() {

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex};
 
-use lapwing_tracing::{ManualClock, Monitor, Report, Time};
+use lapwing_tracing::{ManualClock, Monitor, Report, Time, Value};
 
 use crate::robot::{kicker, sensor_controller};
 use crate::support::{alone, checked, counting, properties, said, spec, verdict};
@@ -109,6 +109,33 @@ alone! {
         let lines = memory.text();
         assert!(lines.starts_with("{\"t_ns\":0,\"event\":\"kick\",\"pose.x\":3.0}"), "{lines}");
         assert_eq!(properties(&report), properties(&checked(text, &lines)));
+    }
+
+    fn arrays_and_records_are_recorded_whole() {
+        let text = "event kick\nproperty first: always not (kick and kick.gaps[0] > 2)\n\
+                    property nearest: always not (kick and min(kick.gaps) < 0.5)\n\
+                    property named: always not (kick and any(kick.robots, r => r.name == \"a \\\"b\\\"\" and r.at.x > 1))\n\
+                    property wide: always max(ranges) < 5\nproperty second: always ranges[1] < 4\n";
+        let memory = Memory::default();
+        let monitor = counting(text).record(memory.clone()).install().expect("a monitor");
+        let pose = |x: f64| Value::Record(vec![("x".into(), x.into()), ("sure".into(), true.into())]);
+        let robot = |x: f64| {
+            Value::Record(vec![("name".into(), "a \"b\"".into()), ("at".into(), pose(x)), ("load".into(), Value::Missing)])
+        };
+        let kick = |gaps: Vec<f64>, x: f64| {
+            let robots = Value::List(vec![robot(0.0), robot(x)]);
+            monitor.event_with("kick", &[("gaps", Value::Nums(gaps)), ("robots", robots)]);
+        };
+        kick(vec![1.0, f64::INFINITY], 0.0);
+        monitor.set("ranges", Value::Nums(vec![1.0, 2.0]));
+        kick(vec![3.0, 0.25], 3.0);
+        kick(vec![], 0.5);
+        monitor.set("ranges", Value::Nums(vec![1.0, 4.5, f64::NAN, 6.0]));
+        let report = monitor.finish();
+        for name in ["first", "nearest", "named", "wide", "second"] {
+            assert_eq!(verdict(&report, name), "violated", "{name}");
+        }
+        assert_eq!(properties(&report), properties(&checked(text, &memory.text())), "{}", memory.text());
     }
 
     fn time_that_passes_is_recorded_too() {
