@@ -18,6 +18,9 @@ use crate::times::Times;
 use crate::tracker::{TrackerState, is_obliged};
 use crate::walk::Walk;
 
+/// For each run of open obligations that a property may have, so many may be kept by the operators that decide them.
+const KEPT: usize = 4;
+
 /// An instant that all share.
 #[derive(Clone, Copy)]
 pub(crate) struct When {
@@ -343,11 +346,18 @@ impl Core {
         let open = self.trackers.iter().filter_map(|t| t.open.first()).min();
         let keep = [self.graph.oldest(), open].into_iter().flatten().min().unwrap_or(n);
         self.times.forget_before(keep);
-        // Whatever is open has a run here.
-        let runs = self.graph.runs() + self.trackers.iter().map(|t| t.open.len()).sum::<usize>();
-        if runs > limit {
+        let obligations = self.trackers.iter().map(|t| t.open.len()).sum::<usize>();
+        if self.graph.runs() + obligations > limit && self.keeps_too_much(plan, limit) {
             self.give_up(plan);
         }
+    }
+
+    /// Whether a property has more runs of open obligations than allowed, or what is kept to decide them grows out of proportion.
+    #[cold]
+    fn keeps_too_much(&self, plan: &Group, limit: usize) -> bool {
+        let states = || plan.trackers.iter().zip(&self.trackers);
+        let of = |property| states().filter(|(t, _)| t.property == property).map(|(_, s)| s.open.len()).sum::<usize>();
+        self.graph.runs() > limit.saturating_mul(KEPT) || plan.trackers.iter().any(|t| of(t.property) > limit)
     }
 
     /// Too much is open: from here on nothing is judged, and what was kept for it goes. Failures that were counted stand.

@@ -58,3 +58,27 @@ fn a_bound_runs_out_over_a_silence_longer_than_half_of_time() {
     assert_eq!(verdict("p implies once within 1 s q\n", &rows[..3]), Verdict::Holds);
     assert_eq!(verdict("p implies once within 1 s q\n", &rows), Verdict::Violated);
 }
+
+/// An `until` of future formulas is evaluated anew at every instant, each part once at each position: a thousand of them are little work.
+#[test]
+fn formulas_that_are_evaluated_anew_are_not_given_up_early() {
+    let formulas = [
+        "(whenever p, p) until q",
+        "(p until q) until q",
+        "(always p) until q",
+        "p until (eventually q)",
+        "(next p) until q",
+        "(eventually within 2 s p) until q",
+    ];
+    for formula in formulas {
+        let program = support::program(&format!("a: {formula}\n"), &["p", "q"]);
+        let mut state = State::new(&program);
+        for step in 0..1_000 {
+            let cells = [Value::Bool(true), Value::Bool(false)];
+            let sample = Sample { time: Time(step * 100_000_000), what: What::Row { cells: &cells } };
+            state.feed(&program, sample, &mut ());
+        }
+        let outcome = &state.finish(&program, &Ending::default(), &mut ())[0];
+        assert_eq!((outcome.verdict, outcome.open), (Verdict::Unmet, 1), "{formula}: {:?}", outcome.cause);
+    }
+}

@@ -1,7 +1,8 @@
 //! Formulas beyond the other nodes: scopes that open or close on a future formula, `until` between future formulas.
 //!
 //! Their state formulas are stored, position by position, and the formula is evaluated anew at every open position whenever
-//! something is new. That costs, at worst, a power of what is open, the deeper the formula the higher. The limit on open runs counts
+//! something is new: each term once at each position of the segment, those without a bound from the last position backwards, each from the one
+//! after. Only inside the segments of scopes in it the cost is, at worst, a power of what is open. The limit on open runs counts
 //! every stored position, and what takes too many or too much work is given up, as if more runs were open than any limit allows. Such
 //! formulas are rare, and their meaning subtle enough for the plainest evaluation to be the best.
 
@@ -35,7 +36,13 @@ pub(crate) struct State {
     open: Runs,
     deadline: Option<(i64, bool)>,
     is_given_up: bool,
+    /// A buffer: what the terms are at the stored positions, as far as that was asked.
+    #[serde(skip)]
+    answers: Vec<Cell<Answer>>,
 }
+
+/// What a term is at a position of the segment: not asked yet, or true, false, unknown.
+type Answer = Option<Option<bool>>;
 
 impl State {
     pub fn runs(&self) -> usize {
@@ -56,15 +63,19 @@ impl State {
 
     /// Decides what can be decided.
     fn decide(&mut self, formula: &Replay, end: End, limit: (i64, bool), out: &mut Vec<Decided>) {
+        let segment = Segment { hi: self.next(), end };
+        self.answers.clear();
+        self.answers.resize(formula.terms.len() * self.stored.len(), Cell::new(None));
         let asking = Asking {
             formula,
             first: self.first,
             stored: &self.stored,
             values: &self.values,
+            segment,
+            answers: &self.answers,
             limit,
             work: Cell::new(0),
         };
-        let segment = Segment { hi: self.next(), end };
         let top = formula.terms.len().saturating_sub(1);
         out.extend(self.open.iter().flat_map(|(a, b)| a..=b).filter_map(|k| {
             let value = asking.term(top, k, segment)?;
@@ -167,7 +178,7 @@ enum End {
 }
 
 /// A segment: the position after the last that is known to belong to it, and how it ends.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 struct Segment {
     hi: Pos,
     end: End,
@@ -188,6 +199,9 @@ struct Asking<'a> {
     first: Pos,
     stored: &'a VecDeque<i64>,
     values: &'a VecDeque<bool>,
+    /// The segment in which the formula stands, and the answers in it, of the first term at all positions, then of the next.
+    segment: Segment,
+    answers: &'a [Cell<Answer>],
     /// Bounds that end before this are over.
     limit: (i64, bool),
     /// How often a term was evaluated.
@@ -217,6 +231,42 @@ impl Asking<'_> {
 
     /// A term at position `k` of a segment.
     fn term(&self, term: usize, k: Pos, s: Segment) -> Option<bool> {
+        let answer = if s == self.segment { self.answers.get(self.number(term, k)) } else { None };
+        if let Some(known) = answer.and_then(Cell::get) {
+            return known;
+        }
+        let value = self.evaluate(term, k, s);
+        if let Some(answer) = answer {
+            answer.set(Some(value));
+        }
+        value
+    }
+
+    /// The number of an answer.
+    fn number(&self, term: usize, k: Pos) -> usize {
+        term * self.stored.len() + (k - self.first) as usize
+    }
+
+    /// A term without a bound, which is `nowhere` over no positions, from the last position of the segment back to `k`: `from_next` says what it
+    /// is from what it is at the next.
+    fn backwards(
+        &self,
+        (term, k, s): (usize, Pos, Segment),
+        nowhere: bool,
+        from_next: impl Fn(Pos, Option<bool>) -> Option<bool>,
+    ) -> Option<bool> {
+        let mut value = self.is_over(&Bound::ALL, k, s).then_some(nowhere);
+        for j in (k..s.hi).rev() {
+            let answer = if s == self.segment { self.answers.get(self.number(term, j)) } else { None };
+            value = answer.and_then(Cell::get).unwrap_or_else(|| from_next(j, value));
+            if let Some(answer) = answer {
+                answer.set(Some(value));
+            }
+        }
+        value
+    }
+
+    fn evaluate(&self, term: usize, k: Pos, s: Segment) -> Option<bool> {
         self.work.set(self.work.get() + 1);
         match self.formula.terms[term] {
             Term::Leaf(i) => Some(self.leaf(i, k)),
@@ -224,6 +274,13 @@ impl Asking<'_> {
             Term::And(l, r) => and(self.term(l, k, s), self.term(r, k, s)),
             Term::Or(l, r) => or(self.term(l, k, s), self.term(r, k, s)),
             Term::Iff(l, r) => self.term(l, k, s).zip(self.term(r, k, s)).map(|(a, b)| a == b),
+            Term::Eventually(Bound::ALL, f) => {
+                self.backwards((term, k, s), false, |j, next| or(self.term(f, j, s), next))
+            }
+            Term::Always(Bound::ALL, f) => self.backwards((term, k, s), true, |j, next| and(self.term(f, j, s), next)),
+            Term::Until(Bound::ALL, l, r) => {
+                self.backwards((term, k, s), false, |j, next| or(self.term(r, j, s), and(self.term(l, j, s), next)))
+            }
             Term::Eventually(b, f) => self.eventually(&b, f, k, s, false),
             Term::Always(b, f) => self.eventually(&b, f, k, s, true).map(|x| !x),
             Term::Next(f) if k + 1 < s.hi => self.term(f, k + 1, s),
@@ -277,7 +334,11 @@ impl Asking<'_> {
     fn eventually(&self, bound: &Bound, f: usize, k: Pos, s: Segment, negated: bool) -> Option<bool> {
         let mut found = Some(false);
         for j in k..s.hi {
-            if bound.contains(self.stamp(j).saturating_sub(self.stamp(k))) {
+            let distance = self.stamp(j).saturating_sub(self.stamp(k));
+            if !bound.not_over(distance) {
+                return found;
+            }
+            if bound.begun(distance) {
                 found = or(found, self.term(f, j, s).map(|x| x != negated));
             }
             if found == Some(true) {
@@ -290,7 +351,11 @@ impl Asking<'_> {
     fn until(&self, bound: &Bound, l: usize, r: usize, k: Pos, s: Segment) -> Option<bool> {
         let (mut found, mut all) = (Some(false), Some(true));
         for j in k..s.hi {
-            if bound.contains(self.stamp(j).saturating_sub(self.stamp(k))) {
+            let distance = self.stamp(j).saturating_sub(self.stamp(k));
+            if !bound.not_over(distance) {
+                return found;
+            }
+            if bound.begun(distance) {
                 found = or(found, and(all, self.term(r, j, s)));
             }
             all = and(all, self.term(l, j, s));
