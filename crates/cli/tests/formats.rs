@@ -169,3 +169,15 @@ fn junit_has_a_suite_per_recording_and_a_case_per_property() {
     ];
     assert_eq!(found[..8], expected, "{}", run.stdout);
 }
+
+/// What `never` denies, and a number that is a condition, are shown with the values that their signals have.
+#[test]
+fn values_are_those_of_the_signals() {
+    let spec = "a: whenever p, never q\nb: x\nc: p implies next never q\n";
+    let folder = Folder::new(&[("spec.rv", spec), ("run.csv", "time,p,q,x\n0,true,true,1\n1,false,true,-0\n")]);
+    let report: Value = serde_json::from_str(&folder.lapwing("check spec.rv run.csv --format json").stdout).unwrap();
+    let values = |i: usize| report[0]["properties"][i]["violations"][0]["values"].clone();
+    assert_eq!(values(0), json!({"p": true, "q": true}));
+    assert_eq!(values(1), json!({"x": 0.0}));
+    assert_eq!(values(2), json!({"p": false, "q": true}));
+}
