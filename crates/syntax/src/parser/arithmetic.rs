@@ -150,6 +150,7 @@ impl Parser<'_> {
         match self.cursor.kind() {
             TokenKind::Number => {
                 let number = self.number()?;
+                self.check_shortest(&number);
                 Ok(self.leaf(start, ExprKind::Number(number)))
             }
             TokenKind::Text => {
