@@ -109,6 +109,17 @@ impl Graph {
         for other in round.filter_map(name) {
             diagnostic = diagnostic.also(other.span, format!("through `{}`", other.name));
         }
+        let is_formula = matches!(names.items[item].item.kind, ItemKind::Definition(_) | ItemKind::Property(_));
+        if is_formula {
+            diagnostic = diagnostic.help(format!(
+                "where `{title}` was meant as a column or a signal, define this under another name, such as `my_{title}`: \
+                 a name that is defined here always means its definition"
+            ));
+        }
+        if is_formula && self.uses[item].contains(&item) {
+            return diagnostic
+                .help("where it was meant as what was before: that is said by `previously`, `since` or `@{x, -1}`");
+        }
         diagnostic.help("write out one of them without the other; what was true before is said by `previously`, `since` or `@{x, -1}`")
     }
 
