@@ -28,6 +28,17 @@ fn an_edit_that_is_right_in_one_instance_only_is_none() {
 }
 
 #[test]
+fn an_edit_inside_ltl_is_in_its_notation() {
+    for (text, whole) in [
+        ("a: ltl(p => <> q)", "[] (p => <> q)"),
+        ("a: ltl(p and <> q)", "[] (p and <> q)"),
+        ("a: p implies ltl(<> q)", "whenever p, ltl(<> q)"),
+    ] {
+        assert_eq!(edits(&alone(text)).iter().map(|(_, edit)| *edit).collect::<Vec<_>>(), [whole], "{text}");
+    }
+}
+
+#[test]
 fn what_the_parser_reports_is_not_reported_again() {
     for (text, code) in [
         ("never within 3 s p", "bound-not-allowed: within 3 s\n"),
