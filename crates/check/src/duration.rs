@@ -2,6 +2,7 @@
 
 use lapwing_diag::{Code, Diagnostic};
 use lapwing_stream::Duration;
+use lapwing_syntax::DurationError;
 use lapwing_syntax::ast::{self, ExprKind};
 
 use crate::constant::{constant, says_seconds};
@@ -57,7 +58,12 @@ impl Cx<'_> {
         };
         match lapwing_syntax::nanoseconds(&number.text, scale) {
             Ok(nanos) => Some(Duration::from_nanos(nanos)),
-            Err(_) => {
+            // The parser has reported it, wherever it stands.
+            Err(DurationError::TooShort) => {
+                self.found.failed = true;
+                None
+            }
+            Err(DurationError::TooLong) => {
                 let message = "a duration is at least 1 ns and at most 292 years";
                 self.report(env, Diagnostic::new(Code::DurationRange, number.span, message));
                 None

@@ -109,6 +109,17 @@ impl Graph {
         for other in round.filter_map(name) {
             diagnostic = diagnostic.also(other.span, format!("through `{}`", other.name));
         }
+        let is_formula = matches!(names.items[item].item.kind, ItemKind::Definition(_) | ItemKind::Property(_));
+        if is_formula {
+            diagnostic = diagnostic.help(format!(
+                "where `{title}` was meant as a column or a signal, define this under another name, such as `my_{title}`: \
+                 a name that is defined here always means its definition"
+            ));
+        }
+        if is_formula && self.uses[item].contains(&item) {
+            return diagnostic
+                .help("where it was meant as what was before: that is said by `previously`, `since` or `@{x, -1}`");
+        }
         diagnostic.help("write out one of them without the other; what was true before is said by `previously`, `since` or `@{x, -1}`")
     }
 
@@ -173,7 +184,8 @@ fn values(message: &ast::Literal) -> Vec<&ast::Expr> {
 /// The numbers of the statements that one names.
 fn uses_of(names: &Names, item: usize) -> BTreeSet<usize> {
     let kind = &names.items[item].item.kind;
-    let mut mentions = Mentions { names, found: BTreeSet::new(), shadowed: variables(kind) };
+    let (shadowed, lists) = (variables(kind), lists(kind));
+    let mut mentions = Mentions { names, found: BTreeSet::new(), shadowed, lists };
     for expr in exprs(kind) {
         mentions.read(expr);
     }
@@ -198,6 +210,15 @@ fn variables(kind: &ItemKind) -> Vec<&str> {
         ItemKind::Pattern(p) => p.params.iter().map(|p| p.name.as_str()).collect(),
         kind => quantifiers(kind).iter().map(|e| e.var.name.as_str()).collect(),
     }
+}
+
+/// The variables of `for each r in (a, b)`, with the names that stand for them.
+fn lists(kind: &ItemKind) -> Vec<(&str, &[ast::Ident])> {
+    let lists = quantifiers(kind).iter().filter_map(|each| match &each.set {
+        EachSet::List(values) => Some((each.var.name.as_str(), values.as_slice())),
+        _ => None,
+    });
+    lists.collect()
 }
 
 /// The names that stand beside the expressions of a statement. The property that a reaction or guard
@@ -242,12 +263,19 @@ struct Mentions<'a, 'n> {
     names: &'n Names<'a>,
     found: BTreeSet<usize>,
     shadowed: Vec<&'n str>,
+    lists: Vec<(&'n str, &'n [ast::Ident])>,
 }
 
 impl<'n> Mentions<'_, 'n> {
     fn value(&mut self, name: &str) {
-        if !self.shadowed.contains(&name) {
-            self.found.extend(self.names.values.get(name));
+        match self.shadowed.iter().filter(|shadowed| **shadowed == name).count() {
+            0 => self.found.extend(self.names.values.get(name)),
+            // No variable of `any` or `all` stands between it and its `for each`.
+            1 => {
+                let list = self.lists.iter().filter(|(var, _)| *var == name).flat_map(|(_, values)| *values);
+                self.found.extend(list.filter_map(|value| self.names.values.get(value.name.as_str())));
+            }
+            _ => {}
         }
     }
 

@@ -222,7 +222,8 @@ pub(crate) fn field_type(cx: &mut Cx, env: &Env, ty: &Type, name: &Ident) -> Opt
             true => "it has no fields at all".to_owned(),
             false => format!("its fields are {}", suggest::listed(fields())),
         });
-    if let Some(guess) = guess {
+    // What stands there is a variable of `for each` where it is not the name: an edit for this instance would be wrong in others.
+    if let Some(guess) = guess.filter(|_| cx.sources.slice(name.span).trim_matches('`') == name.name) {
         diagnostic = diagnostic.fix(name.span, guess);
     }
     cx.report(env, diagnostic);

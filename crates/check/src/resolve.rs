@@ -331,16 +331,31 @@ impl Cx<'_> {
             diagnostic = diagnostic
                 .help(format!("the recording has {}", suggest::listed(trace.columns.iter().map(String::as_str))));
         }
-        if let Some(guess) = guess {
-            diagnostic = diagnostic.fix(at, guess);
+        if let Some(edit) = guess.and_then(|guess| self.as_written(idents, &guess)) {
+            diagnostic = diagnostic.fix(at, edit);
         }
         self.report(env, diagnostic);
     }
 
+    /// A name that is proposed in place of another, with the variables of `for each` where they stand in that one: of the instance `r2`
+    /// of `r.w` the name `r2.v` is `r.v`. `None` where a variable would be lost, so that the edit would be wrong in other instances.
+    fn as_written(&self, idents: &[Ident], guess: &str) -> Option<String> {
+        let mut parts: Vec<&str> = guess.split('.').collect();
+        for (index, ident) in idents.iter().enumerate() {
+            let written = self.sources.slice(ident.span).trim_matches('`');
+            if written != ident.name {
+                let part = parts.get_mut(index).filter(|part| **part == ident.name)?;
+                *part = written;
+            }
+        }
+        Some(parts.join("."))
+    }
+
     /// What an unknown name was probably meant to be: a column, a declared name with the same tail, or a quantity of the same object.
     fn meant(&self, env: &Env, idents: &[Ident], joined: &str) -> Option<String> {
-        let columns = self.trace.iter().flat_map(|t| &t.columns).map(String::as_str);
-        if let Some(column) = suggest::nearest(joined, columns) {
+        let columns = || self.trace.iter().flat_map(|t| &t.columns).map(String::as_str);
+        let of_instance = columns().filter(|column| self.as_written(idents, column).is_some());
+        if let Some(column) = suggest::nearest(joined, of_instance).or_else(|| suggest::nearest(joined, columns())) {
             return Some(column.to_owned());
         }
         let (head, tail) = joined.split_once('.').map_or((joined, None), |(head, tail)| (head, Some(tail)));

@@ -43,12 +43,9 @@ impl Cx<'_> {
     fn prefix(&mut self, env: &Env, prefix: Prefix, bound: Option<&ast::Bound>, of: &ast::Expr, span: Span) -> Kind {
         let word = prefix_word(prefix);
         let takes_bound = matches!(prefix, Prefix::Always | Prefix::Eventually | Prefix::Once | Prefix::Historically);
-        if let Some(bound) = bound.filter(|_| !takes_bound) {
-            let diagnostic =
-                Diagnostic::new(Code::BoundNotAllowed, bound.span, format!("`{word}` takes no time bound"))
-                    .label("not here")
-                    .help("bounds go with `always`, `eventually`, `until`, `once`, `historically` and `since`");
-            self.report(env, diagnostic);
+        if bound.is_some() && !takes_bound {
+            // The parser has reported it.
+            self.found.failed = true;
         }
         let bound = bound.filter(|_| takes_bound).map_or(Bound::ALL, |b| self.bound(env, b));
         let is_past = matches!(prefix, Prefix::Previously | Prefix::Once | Prefix::Historically | Prefix::Becomes);

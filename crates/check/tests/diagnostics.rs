@@ -206,6 +206,13 @@ fn recursion() {
         recursive-name: m
     "#]],
     );
+    expect![[r#"
+        `speed` depends on itself
+          it is defined by itself
+          where `speed` was meant as a column or a signal, define this under another name, such as `my_speed`: a name that is defined here always means its definition
+          where it was meant as what was before: that is said by `previously`, `since` or `@{x, -1}`
+    "#]]
+    .assert_eq(&said(&against("speed: always speed < 2", &csv(&["speed"]))));
     clean("a = b + 1\nb = 1\nx > a");
     clean("v = any(list, v => v > 1)\nnever v");
 }

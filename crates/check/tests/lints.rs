@@ -50,6 +50,14 @@ fn unused_names() {
     );
     clean("_limit = 3\nx > 1");
     clean("decl v /odom Odometry\nage(v) < 1");
+    clean("decl a /a Float64.data\ndecl b /b Float64.data\nfor each k in (a, b): k > 0");
+    faults(
+        "decl a /a Float64.data\ndecl b /b Float64.data\nfor each k in (a, b): any(x.k, k => k > 0)",
+        expect![[r#"
+        unused-name: a
+        unused-name: b
+    "#]],
+    );
 }
 
 #[test]

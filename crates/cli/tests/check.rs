@@ -42,6 +42,21 @@ fn shards_share_the_recordings() {
 }
 
 #[test]
+fn signals_that_are_conditions_are_shown_with_their_values() {
+    let files = [
+        ("spec.rv", "bare: x\nboth: always (y and x)\nnever_y: whenever y, never y\n"),
+        ("run.csv", "time,x,y\n0,-0.0,true\n1,nan,true\n"),
+    ];
+    let folder = Folder::new(&files);
+    let run = folder.lapwing("check spec.rv run.csv --format json");
+    let report: Value = serde_json::from_str(&run.stdout).unwrap();
+    let values = |property: usize| report[0]["properties"][property]["violations"][0]["values"].to_string();
+    assert_eq!(values(0), r#"{"x":-0.0}"#);
+    assert_eq!(values(1), r#"{"y":true,"x":-0.0}"#);
+    assert_eq!(values(2), r#"{"y":true}"#);
+}
+
+#[test]
 fn standard_input_is_read_as_ndjson() {
     let folder = Folder::new(&[("spec.rv", "event kick\nfar: always (kick implies kick.power < 5)\nnever x > 2\n")]);
     let input = concat!(

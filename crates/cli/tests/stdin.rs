@@ -109,6 +109,34 @@ fn names_that_never_came_were_meant_otherwise() {
     assert_eq!(cause, "no value ever came: /odmo; did you mean `/odom`?", "{report:#}");
 }
 
+#[test]
+fn fields_that_messages_lack_are_named_once_and_topics_that_never_came_too() {
+    let spec = concat!(
+        "decl a /a geometry_msgs/Twist.linear.x\n",
+        "decl b /a geometry_msgs/Twist.linear.z\n",
+        "decl c /silent geometry_msgs/Twist.linear.x\n",
+        "decl d /silent geometry_msgs/Twist.linear.y\n",
+        "decl j /j std_msgs/Float64MultiArray.data\n",
+        "p: a + b + a < 1\n",
+        "q: c + d < 1\n",
+        "r: norm(j) < 1\n",
+    );
+    let lines = concat!(
+        r#"{"t":0,"topic":"/a","msg":{"linear":{"y":1}}}"#,
+        "\n",
+        r#"{"t":1,"topic":"/j","msg":{"data":[1,2]}}"#,
+        "\n",
+    );
+    let report = said_of(spec, lines);
+    let causes: Vec<_> = report[0]["properties"].as_array().unwrap().iter().map(|p| p["cause"].as_str()).collect();
+    let expected = [
+        Some("no value ever came: /a.linear.x, /a.linear.z"),
+        Some("no value ever came: /silent"),
+        Some("no value ever came: /j.data.x, /j.data.y, /j.data.z"),
+    ];
+    assert_eq!(causes, expected, "{report:#}");
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupt_ends_a_wait_for_input() {

@@ -189,6 +189,10 @@ impl Gather<'_> {
         match &e.kind {
             Kind::Num(_) | Kind::Bool(_) | Kind::Str(_) | Kind::Var(_) | Kind::Param(_) | Kind::Updated(_) => return,
             Kind::Input(input) => return self.input(*input, e, place),
+            // `never q` has the place of its q, and the name there is that of q.
+            Kind::Not(of) if of.span == e.span => return self.walk(of, place),
+            // A number that is used as a condition is shown as the number.
+            Kind::Truth(of) => return self.walk(of, place),
             Kind::Event(_) | Kind::EventField { .. } | Kind::Age(_) | Kind::Frequency(..) | Kind::Fresh(_) => {
                 let name = self.printer.print(e);
                 return self.value(self.rename(&name), Role::Value, e);
@@ -247,12 +251,7 @@ impl Gather<'_> {
 
     /// A condition; whatever is judged as a whole, and `not`, say nothing that is not known.
     fn condition(&mut self, e: &Expr, place: Place) {
-        if place.is_judged
-            || place.in_name
-            || e.has_future()
-            || e.ty != Type::Bool
-            || matches!(e.kind, Kind::Not(_) | Kind::Truth(_))
-        {
+        if place.is_judged || place.in_name || e.has_future() || e.ty != Type::Bool || matches!(e.kind, Kind::Not(_)) {
             return;
         }
         let name = self.text(e, place);

@@ -87,6 +87,31 @@ fn wrong_csv_rows_are_losses_with_their_place() {
 }
 
 #[test]
+fn what_is_no_time_is_shown() {
+    let long = format!(r#""{}""#, "a".repeat(100));
+    let no_times = [r#""1""#, "null", "[1, 2]", "1.2.3", "soon", "", &long];
+    let lines: String = no_times.iter().map(|time| format!("{{\"t\":{time},\"values\":{{\"x\":1}}}}\n")).collect();
+    let text = format!("{{\"t\":0,\"values\":{{\"x\":1}}}}\n{lines}");
+    let (_dir, recording) = recording(text.as_bytes(), Options::default());
+    let (rows, losses) = shown(recording, &[]);
+    assert_eq!(rows, ["0 row x=1"]);
+    let said: Vec<&str> = losses.iter().map(|l| l.split_once(", line ").unwrap().1).collect();
+    let cut = format!("8: the line is lost: the time `\"{}…` is no decimal number", "a".repeat(39));
+    assert_eq!(
+        said,
+        [
+            "2: the line is lost: the time `\"1\"` is no decimal number",
+            "3: the line is lost: the time `null` is no decimal number",
+            "4: the line is lost: the time `[1, 2]` is no decimal number",
+            "5: the line is lost: the time `1.2.3` is no decimal number",
+            "6: the line is lost: no JSON at byte 6 of it: a value was expected",
+            "7: the line is lost: no JSON at byte 6 of it: a value was expected",
+            &cut,
+        ]
+    );
+}
+
+#[test]
 fn ndjson_lines_of_every_kind() {
     let text = r#"
 {"t":1.000000001,"values":{"x":1.5,"on":true,"s":"a","none":null}}

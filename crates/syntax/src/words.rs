@@ -36,8 +36,11 @@ pub(crate) const INFIXES: &[(&str, Infix)] = &[("until", Infix::Until), ("since"
 /// The scope of three parts.
 pub(crate) const AFTER_UNTIL: &str = "after_until";
 
-/// Words that cannot stand as a name at the beginning of an operand, because they begin something there or join what is beside them.
-const NO_OPERANDS: &[&str] = &["not", "true", "false", "within", AFTER_UNTIL];
+/// The word before a time bound.
+pub(crate) const WITHIN: &str = "within";
+
+/// Words that begin something else than a name where an operand is expected.
+const NO_NAMES: &[&str] = &["not", "true", "false", AFTER_UNTIL];
 
 /// What `word` stands for in a table of words.
 pub(crate) fn find<T: Copy>(table: &[(&str, T)], word: &str) -> Option<T> {
@@ -54,9 +57,14 @@ pub(crate) fn is_temporal(word: &str) -> bool {
     find(PREFIXES, word).is_some() || find(SCOPES, word).is_some() || word == AFTER_UNTIL
 }
 
-/// Whether the word needs backquotes to be a name at the beginning of an operand.
+/// Whether the word joins or bounds what stands beside it and begins nothing itself.
+pub(crate) fn begins_nothing(word: &str) -> bool {
+    CONNECTIVES.contains(&word) || word == WITHIN
+}
+
+/// Whether the word needs backquotes to be a name at the beginning of an operand, whatever follows it.
 pub(crate) fn is_reserved(word: &str) -> bool {
-    is_temporal(word) || CONNECTIVES.contains(&word) || NO_OPERANDS.contains(&word)
+    is_temporal(word) || begins_nothing(word) || NO_NAMES.contains(&word)
 }
 
 /// What is written in other tools for a word of ours.

@@ -147,6 +147,9 @@ fn durations_and_bounds() {
         ("held for 0.5 x", Code::BareDuration, "0.5", "`0.5` is no duration"),
         ("decl x /t T.x stale after 2", Code::BareDuration, "2", "`2` is no duration"),
         ("always within 0.1 ns x", Code::DurationRange, "0.1 ns", "this duration is shorter than a nanosecond"),
+        ("always x < 0.5 ns", Code::DurationRange, "0.5 ns", "this duration is shorter than a nanosecond"),
+        ("late = 3 * 1e-4 us", Code::DurationRange, "1e-4 us", "this duration is shorter than a nanosecond"),
+        ("always x =={0.9 ns} y", Code::DurationRange, "0.9 ns", "this duration is shorter than a nanosecond"),
         ("always within 1e20 h x", Code::DurationRange, "1e20 h", "this duration is too long"),
         ("always within -2 s x", Code::Syntax, "-", "expected a duration, such as `2 s`, found `-`"),
         ("always within (2 s) x", Code::Syntax, ")", "expected a comma and the upper end of the interval, found `)`"),
@@ -155,6 +158,7 @@ fn durations_and_bounds() {
         ("becomes within [1 s, 2 s] x", Code::BoundNotAllowed, "within [1 s, 2 s]", "`becomes` takes no time bound"),
         ("eventually for 2 s x", Code::BoundNotAllowed, "for", "`eventually` takes no `for`"),
         ("after within 2 s x, y", Code::BoundNotAllowed, "within", "`after` takes no time bound"),
+        ("within 2 s y", Code::Syntax, "within", "expected a value or a formula, found `within`"),
         ("x and within 2 s y", Code::Syntax, "within", "expected a value or a formula, found `within`"),
     ]);
 }
@@ -188,6 +192,10 @@ fn texts_and_names() {
         ("never next > 3", Code::ReservedWord, "next", "`next` is a word of the language, not a name"),
         ("never and x", Code::ReservedWord, "and", "`and` is a word of the language, not a value"),
         ("always = 3", Code::ReservedWord, "always", "`always` is a word of the language, not a name"),
+        ("a: and x", Code::ReservedWord, "and", "`and` is a word of the language, not a value"),
+        ("a: x and", Code::Syntax, "", "expected a value or a formula, but the file ends"),
+        ("a: x and and y", Code::ReservedWord, "and", "`and` is a word of the language, not a value"),
+        ("a: x and within (0 s, 2 s] y", Code::Syntax, "within", "expected a value or a formula, found `within`"),
         ("and x > 3", Code::Syntax, "and", "there is nothing before this `and` that it could join"),
         ("never robot velocity > 2", Code::Syntax, "velocity", "expected the end of the line, found `velocity`"),
         ("never x == not y", Code::Syntax, "not", "`not …` stands in brackets where a value is expected"),

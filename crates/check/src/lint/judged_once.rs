@@ -1,25 +1,45 @@
 //! `judged-once`: a formula that mixes a state with the future at its top looks at the first position only.
 
-use lapwing_diag::{Code, Diagnostic};
+use lapwing_diag::{Code, Diagnostic, Span};
+use lapwing_syntax::ast;
 
 use crate::checked::{Connective, Expr, Kind};
 use crate::context::{Cx, Env};
+use crate::walk;
 
-/// Looks at the top of a formula.
-pub(super) fn check(cx: &mut Cx, formula: &Expr) {
+/// Looks at the top of a formula, which was written so.
+pub(super) fn check(cx: &mut Cx, written: &ast::Expr, formula: &Expr) {
     let Some((state, rest, op)) = mixed(formula) else { return };
     let text = |e: &Expr| cx.sources.slice(e.span).to_owned();
     let mut diagnostic = Diagnostic::new(Code::JudgedOnce, formula.span, "this is judged once, at the beginning")
         .label("not checked again later")
         .also(state.span, "only its first value counts");
     diagnostic = match op {
+        _ if symbolic(written, formula.span).is_some() => {
+            let cure = format!("[] ({})", text(formula));
+            diagnostic.help(format!("to check it every time, write `{cure}`")).fix(formula.span, cure)
+        }
         Connective::Implies => {
-            let cure = format!("whenever {}, {}", text(state), text(rest));
+            // Outside `ltl(…)` what stands in it means nothing without it.
+            let whole = |e: &Expr| cx.sources.slice(symbolic(written, e.span).unwrap_or(e.span)).to_owned();
+            let cure = format!("whenever {}, {}", whole(state), whole(rest));
             diagnostic.help(format!("to check it every time, write `{cure}`")).fix(formula.span, cure)
         }
         _ => diagnostic.help(format!("to check it at every instant, write `always ({})`", text(formula))),
     };
     cx.report(&Env::default(), diagnostic);
+}
+
+/// The `ltl(…)` around a place.
+fn symbolic(written: &ast::Expr, span: Span) -> Option<Span> {
+    let mut around = None;
+    walk::every(written, |e| {
+        let holds = e.span.file == span.file && e.span.start <= span.start && span.end <= e.span.end;
+        if holds && matches!(e.kind, ast::ExprKind::Ltl(_)) {
+            around = Some(e.span);
+        }
+    });
+    around
 }
 
 /// The state part and the future part of a mixture.

@@ -26,6 +26,6 @@ pub(crate) fn text(cx: &mut Cx) {
 
 /// The lints that look at a whole property, by its first instance.
 pub(crate) fn property(cx: &mut Cx, written: &ast::Expr, formula: &Expr, property: usize) {
-    judged_once::check(cx, formula);
+    judged_once::check(cx, written, formula);
     judgement::check(cx, written, formula, property);
 }

@@ -173,10 +173,24 @@ fn range(scanner: &mut Scanner<'_>) -> Result<Range<usize>, DecodeError> {
 }
 
 fn time(scanner: &mut Scanner<'_>, unit: i64) -> Result<Time, DecodeError> {
+    let start = scanner.clone();
     let digits = scanner.digits()?;
-    decimal::scaled(digits, unit)
-        .map(Time)
-        .map_err(|e| DecodeError::new(format!("the time `{}` {}", String::from_utf8_lossy(digits), e.reason())))
+    decimal::scaled(digits, unit).map(Time).map_err(|e| no_time(digits, start, e))
+}
+
+/// So many bytes of what is no time are shown.
+const SHOWN: usize = 40;
+
+/// What to say of the value that begins there with these digits, which is no time.
+fn no_time(digits: &[u8], mut value: Scanner<'_>, error: decimal::DecimalError) -> DecodeError {
+    let written = match value.raw() {
+        Ok(written) => written,
+        Err(_) if !digits.is_empty() => digits,
+        Err(broken) => return broken,
+    };
+    let shown = String::from_utf8_lossy(written.get(..SHOWN).unwrap_or(written));
+    let more = if written.len() > SHOWN { "…" } else { "" };
+    DecodeError::new(format!("the time `{shown}{more}` {}", error.reason()))
 }
 
 impl Source for Ndjson {

@@ -150,6 +150,7 @@ impl Parser<'_> {
         match self.cursor.kind() {
             TokenKind::Number => {
                 let number = self.number()?;
+                self.check_shortest(&number);
                 Ok(self.leaf(start, ExprKind::Number(number)))
             }
             TokenKind::Text => {
@@ -178,9 +179,21 @@ impl Parser<'_> {
                 self.running()
             }
             _ if self.symbolic && is_symbolic_operator(word) => self.symbolic_name(word),
-            _ if words::is_reserved(word) => self.misplaced_word(word),
+            _ if words::is_reserved(word) && !self.names_operand(word) => self.misplaced_word(word),
             _ => self.named(),
         }
+    }
+
+    /// Whether a word that begins no operand is a name here: `within > 1`. Where an operand follows it was meant to join or bound.
+    fn names_operand(&self, word: &str) -> bool {
+        use TokenKind::*;
+        let operand_follows = match self.cursor.ahead(1) {
+            Name => !self.joining_word_ahead(),
+            Quoted | Number | Text | At | OpenRound | OpenSquare | Bang => true,
+            Less => self.symbolic,
+            _ => false,
+        };
+        words::begins_nothing(word) && !operand_follows
     }
 
     /// `running Navigation.GotoPosition`: as `running(Navigation.GotoPosition)`.

@@ -49,16 +49,30 @@ impl Parser<'_> {
         };
         match nanoseconds(&number.text, scale) {
             Ok(nanos) => return Duration::from_nanos(nanos),
-            Err(DurationError::TooShort) => self.report(
-                Diagnostic::new(Code::DurationRange, number.span, "this duration is shorter than a nanosecond")
-                    .help("the shortest is `1 ns`; no time at all is written `0 s`"),
-            ),
-            Err(DurationError::TooLong) => self.report(
-                Diagnostic::new(Code::DurationRange, number.span, "this duration is too long")
-                    .help("the longest is about 292 years; leave the bound out where none is needed"),
-            ),
-        };
+            Err(DurationError::TooShort) => self.too_short(number),
+            Err(DurationError::TooLong) => {
+                let diagnostic = Diagnostic::new(Code::DurationRange, number.span, "this duration is too long");
+                self.report(
+                    diagnostic.help("the longest is about 292 years; leave the bound out where none is needed"),
+                );
+            }
+        }
         Duration::ZERO
+    }
+
+    /// Reports a duration among numbers that is shorter than a nanosecond. There a long one is a number as any other.
+    pub(super) fn check_shortest(&mut self, number: &Number) {
+        let scale = number.unit.and_then(Unit::nanoseconds);
+        if scale.map(|scale| nanoseconds(&number.text, scale)) == Some(Err(DurationError::TooShort)) {
+            self.too_short(number);
+        }
+    }
+
+    fn too_short(&mut self, number: &Number) {
+        self.report(
+            Diagnostic::new(Code::DurationRange, number.span, "this duration is shorter than a nanosecond")
+                .help("the shortest is `1 ns`; no time at all is written `0 s`"),
+        );
     }
 
     fn no_duration(&mut self, number: &Number) {

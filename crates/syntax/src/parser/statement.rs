@@ -168,7 +168,7 @@ impl Parser<'_> {
 
     /// A name that is about to be given: one that the language reserves is reported, and taken.
     pub(super) fn new_name(&mut self) -> Parse<crate::ast::Ident> {
-        if self.cursor.word().is_some_and(words::is_reserved) {
+        if self.cursor.word().is_some_and(|word| words::is_reserved(word) && !words::begins_nothing(word)) {
             let span = self.cursor.span();
             let quoted = format!("`{}`", self.cursor.slice(span));
             let diagnostic = self.reserved("a name").fix(span, quoted);

@@ -115,7 +115,7 @@ impl Parser<'_> {
     }
 
     /// Whether the next word joins formulas: then the current one is a name.
-    fn joining_word_ahead(&self) -> bool {
+    pub(super) fn joining_word_ahead(&self) -> bool {
         self.cursor.word_ahead(1).is_some_and(|next| words::joining_words().any(|word| word == next))
     }
 
