@@ -266,6 +266,25 @@ fn a_run_is_watched_recorded_and_judged_again() {
     assert!(text.contains("violation Scan_Fail: ") && text.contains("SafetyPilot.Stop(), by Scan_Fail"), "{text}");
 }
 
+/// As the README of the case study says; what a model cannot judge is said at its place.
+#[test]
+fn the_model_of_the_case_study_is_watched_as_the_run_is() {
+    let bench = Bench::new();
+    let beside = |name: &str| Path::new(&navigation()).with_file_name(name).display().to_string();
+    let model = |spec: &str| {
+        let (gen_file, requests, spec) = (navigation(), beside("mission.txt"), beside(spec));
+        bench.lapwing(&["genom", "bip", &gen_file, "--requests", &requests, "--spec", &spec])
+    };
+    let watched = model("scan_fail.rv");
+    assert_eq!(watched.status.code(), Some(0), "{}", said(&watched));
+    bench.file("watched.bip", std::str::from_utf8(&watched.stdout).unwrap());
+    let run = bench.lapwing(&["bip", "run", "watched.bip", "--limit", "500"]);
+    assert!(said(&run).contains("stop (reached limit of 500 states)"), "{}", said(&run));
+    let refused = model("navigation.rv");
+    assert!(said(&refused).contains("`stands` cannot be a monitor in BIP"), "{}", said(&refused));
+    assert_eq!(refused.status.code(), Some(2));
+}
+
 #[test]
 fn what_components_do_not_have_is_an_error_before_anything_runs() {
     let bench = Bench::new();

@@ -197,7 +197,7 @@ fn words_are_reserved_only_where_they_can_start_something() {
         ("x > within and or == iff", "(and (gt x within) (eq or iff))"),
         ("and.x - within or (implies)", "(or (sub and.x within) implies)"),
         ("always within 2 s within", "(always[0,2000000000ns] within)"),
-        ("within and within until within", "(and within (until within within))"),
+        ("within and within until x", "(and within (until within x))"),
         ("o > X + U", "(gt o (add X U))"),
     ]);
     let file = parsed("event = 3\nproperty property: x\nstate: y\ndecl decl /decl decl.decl\n");

@@ -122,7 +122,10 @@ impl Reader<'_> {
             Kind::Compare { .. } | Kind::EventField { .. } => {
                 return Err(beyond(e, "values: the model has events and what runs, and no data"));
             }
-            _ => return Err(beyond(e, "this")),
+            _ if e.has_future() => {
+                return Err(beyond(e, "operators over the future but a bounded `eventually` under a `whenever`"));
+            }
+            _ => return Err(beyond(e, "expressions of this kind")),
         })
     }
 
