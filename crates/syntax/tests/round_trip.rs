@@ -42,6 +42,8 @@ impl Generator {
     fn number(&mut self) -> Number {
         let text = self.random.pick(&["0", "2", "2.50", "1e-6", "3E+2"]).to_owned();
         let unit = if self.random.below(2) == 0 { None } else { Some(self.random.pick(Unit::ALL)) };
+        // No duration is shorter than a nanosecond.
+        let unit = unit.filter(|unit| text != "1e-6" || !matches!(unit, Unit::Ns | Unit::Us));
         Number { value: text.parse().unwrap(), text, unit, span: Span::default() }
     }
 
