@@ -109,8 +109,7 @@ fn begin(line: &mut String, time: Time) {
 
 /// A key with its value, unless that is missing; `start` is where the first of its object stands.
 fn pair(line: &mut String, start: usize, name: &str, value: &Value) {
-    let is_scalar = matches!(value, Value::Bool(_) | Value::Num(_) | Value::Str(_));
-    if !is_scalar {
+    if matches!(value, Value::Missing) {
         return;
     }
     if line.len() > start {
