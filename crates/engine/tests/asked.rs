@@ -4,7 +4,7 @@ mod support;
 
 use lapwing_engine::{Program, State};
 use lapwing_stream::{Sample, Time, Value, What};
-use support::{chance, clock, program, run};
+use support::{program, run, toggling};
 
 const SPECS: [&str; 7] = [
     "a: whenever p, eventually within 7 ms q\n",
@@ -16,16 +16,6 @@ const SPECS: [&str; 7] = [
     "a: before r, whenever p, always within (0 s, 4 ms] (q implies eventually within 2 ms not q)\n",
 ];
 
-fn rows(seed: u64) -> Vec<(i64, [Value; 3])> {
-    let (mut next, mut clock) = (chance(seed), clock(seed));
-    let mut row = [false; 3];
-    let step = |_| {
-        row = row.map(|is| if next() % 4 == 0 { !is } else { is });
-        (clock(), row.map(Value::Bool))
-    };
-    (0..400).map(step).collect()
-}
-
 #[test]
 fn what_nobody_asks_for_decides_nothing() {
     for (n, text) in SPECS.iter().enumerate() {
@@ -35,7 +25,7 @@ fn what_nobody_asks_for_decides_nothing() {
         let spared = futures.filter_map(|future| future.asked.take()).count();
         assert!(spared > 0, "{text}: everything is asked for everywhere");
         for seed in 0..20 {
-            let rows = rows(n as u64 * 1000 + seed);
+            let rows = toggling(n as u64 * 1000 + seed, 4, 400);
             assert_eq!(run(&quick, &rows), run(&plain, &rows), "{text}, seed {seed}");
         }
     }

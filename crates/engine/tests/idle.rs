@@ -2,8 +2,7 @@
 
 mod support;
 
-use lapwing_stream::Value;
-use support::{chance, clock, program, run};
+use support::{program, run, toggling};
 
 const SPECS: [&str; 9] = [
     "a: whenever p, eventually within 7 ms q\n",
@@ -17,17 +16,6 @@ const SPECS: [&str; 9] = [
     "_rate_ = 800\na: whenever p, eventually within 7 ms q\nb: while q, always p or r\n",
 ];
 
-/// Three columns that change rarely.
-fn rows(seed: u64) -> Vec<(i64, [Value; 3])> {
-    let (mut next, mut clock) = (chance(seed), clock(seed));
-    let mut row = [false; 3];
-    let step = |_| {
-        row = row.map(|is| if next() % 16 == 0 { !is } else { is });
-        (clock(), row.map(Value::Bool))
-    };
-    (0..600).map(step).collect()
-}
-
 #[test]
 fn idling_changes_nothing() {
     for (n, text) in SPECS.iter().enumerate() {
@@ -36,7 +24,7 @@ fn idling_changes_nothing() {
         let mut plain = quick.clone();
         plain.groups.iter_mut().for_each(|group| group.idles = false);
         for seed in 0..30 {
-            let rows = rows(n as u64 * 1000 + seed);
+            let rows = toggling(n as u64 * 1000 + seed, 16, 600);
             assert_eq!(run(&quick, &rows), run(&plain, &rows), "{text}, seed {seed}");
         }
     }

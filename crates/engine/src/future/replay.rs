@@ -231,39 +231,30 @@ impl Asking<'_> {
 
     /// A term at position `k` of a segment.
     fn term(&self, term: usize, k: Pos, s: Segment) -> Option<bool> {
-        let answer = if s == self.segment { self.answers.get(self.number(term, k)) } else { None };
-        if let Some(known) = answer.and_then(Cell::get) {
-            return known;
-        }
-        let value = self.evaluate(term, k, s);
-        if let Some(answer) = answer {
-            answer.set(Some(value));
-        }
-        value
+        if s == self.segment { self.answered(term, k, || self.evaluate(term, k, s)) } else { self.evaluate(term, k, s) }
     }
 
-    /// The number of an answer.
-    fn number(&self, term: usize, k: Pos) -> usize {
-        term * self.stored.len() + (k - self.first) as usize
+    /// A term at a position of the segment in which the formula stands, found where it has not been asked yet.
+    fn answered(&self, term: usize, k: Pos, find: impl FnOnce() -> Option<bool>) -> Option<bool> {
+        let answer = &self.answers[term * self.stored.len() + (k - self.first) as usize];
+        answer.get().unwrap_or_else(|| {
+            let found = find();
+            answer.set(Some(found));
+            found
+        })
     }
 
-    /// A term without a bound, which is `nowhere` over no positions, from the last position of the segment back to `k`: `from_next` says what it
-    /// is from what it is at the next.
+    /// A term without a bound, which is `nowhere` over no positions, from the last position of that segment back to `k`: `from_next` says what
+    /// it is from what it is at the next.
     fn backwards(
         &self,
-        (term, k, s): (usize, Pos, Segment),
+        term: usize,
+        k: Pos,
         nowhere: bool,
         from_next: impl Fn(Pos, Option<bool>) -> Option<bool>,
     ) -> Option<bool> {
-        let mut value = self.is_over(&Bound::ALL, k, s).then_some(nowhere);
-        for j in (k..s.hi).rev() {
-            let answer = if s == self.segment { self.answers.get(self.number(term, j)) } else { None };
-            value = answer.and_then(Cell::get).unwrap_or_else(|| from_next(j, value));
-            if let Some(answer) = answer {
-                answer.set(Some(value));
-            }
-        }
-        value
+        let beyond = self.is_over(&Bound::ALL, k, self.segment).then_some(nowhere);
+        (k..self.segment.hi).rev().fold(beyond, |next, j| self.answered(term, j, || from_next(j, next)))
     }
 
     fn evaluate(&self, term: usize, k: Pos, s: Segment) -> Option<bool> {
@@ -274,12 +265,14 @@ impl Asking<'_> {
             Term::And(l, r) => and(self.term(l, k, s), self.term(r, k, s)),
             Term::Or(l, r) => or(self.term(l, k, s), self.term(r, k, s)),
             Term::Iff(l, r) => self.term(l, k, s).zip(self.term(r, k, s)).map(|(a, b)| a == b),
-            Term::Eventually(Bound::ALL, f) => {
-                self.backwards((term, k, s), false, |j, next| or(self.term(f, j, s), next))
+            Term::Eventually(Bound::ALL, f) if s == self.segment => {
+                self.backwards(term, k, false, |j, next| or(self.term(f, j, s), next))
             }
-            Term::Always(Bound::ALL, f) => self.backwards((term, k, s), true, |j, next| and(self.term(f, j, s), next)),
-            Term::Until(Bound::ALL, l, r) => {
-                self.backwards((term, k, s), false, |j, next| or(self.term(r, j, s), and(self.term(l, j, s), next)))
+            Term::Always(Bound::ALL, f) if s == self.segment => {
+                self.backwards(term, k, true, |j, next| and(self.term(f, j, s), next))
+            }
+            Term::Until(Bound::ALL, l, r) if s == self.segment => {
+                self.backwards(term, k, false, |j, next| or(self.term(r, j, s), and(self.term(l, j, s), next)))
             }
             Term::Eventually(b, f) => self.eventually(&b, f, k, s, false),
             Term::Always(b, f) => self.eventually(&b, f, k, s, true).map(|x| !x),

@@ -28,6 +28,17 @@ pub fn chance(seed: u64) -> impl FnMut() -> u64 {
     }
 }
 
+/// Three columns of truth values, each of which toggles at one in so many rows.
+pub fn toggling(seed: u64, one_in: u64, rows: usize) -> Vec<(i64, [Value; 3])> {
+    let (mut next, mut clock) = (chance(seed), clock(seed));
+    let mut row = [false; 3];
+    let step = |_| {
+        row = row.map(|is| is ^ next().is_multiple_of(one_in));
+        (clock(), row.map(Value::Bool))
+    };
+    (0..rows).map(step).collect()
+}
+
 /// A clock that stands still, goes on and leaps.
 pub fn clock(seed: u64) -> impl FnMut() -> i64 {
     let (mut next, mut now) = (chance(seed ^ 0x5eed), 0);
