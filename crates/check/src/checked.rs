@@ -73,6 +73,19 @@ pub enum Step {
     Index(usize),
 }
 
+/// A part of something as it is written, `/odom.pose.pose.position.x` or `gaps[0]`; without a name for the whole, the path alone.
+pub fn part(whole: &str, path: &[Step]) -> String {
+    let mut name = whole.to_owned();
+    for step in path {
+        match step {
+            Step::Field(field) if name.is_empty() => name.push_str(field),
+            Step::Field(field) => name.extend([".", field]),
+            Step::Index(index) => name.push_str(&format!("[{index}]")),
+        }
+    }
+    name
+}
+
 /// A signal: it has a value from its first sample on, and keeps it until replaced.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Input {

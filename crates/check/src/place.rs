@@ -5,7 +5,7 @@ use lapwing_diag::{Code, Diagnostic, Span};
 use lapwing_stream::{Duration, Type, Value};
 use lapwing_syntax::ast::{self, Ident};
 
-use crate::checked::{EventField, EventSource, Expr, Input, InputSource, Kind, Path, Step};
+use crate::checked::{EventField, EventSource, Expr, Input, InputSource, Kind, Path, Step, part};
 use crate::context::{Cx, Env, poison};
 use crate::messages::{self, Known};
 use lapwing_diag::suggest;
@@ -159,10 +159,7 @@ impl Place {
 
 /// `/odom.pose.pose.position.x`, the other name that a column for a declared signal may have.
 fn long_name(place: &Place, topic: &ast::Topic) -> String {
-    place.path.iter().fold(topic.absolute(), |name, step| match step {
-        Step::Field(field) => format!("{name}.{field}"),
-        Step::Index(index) => format!("{name}[{index}]"),
-    })
+    part(&topic.absolute(), &place.path)
 }
 
 fn declared_column(cx: &Cx, place: &Place, topic: &ast::Topic) -> Option<String> {

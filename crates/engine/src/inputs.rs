@@ -136,7 +136,7 @@ impl Inputs {
         let (Some(to), Some(plan)) = (self.slots.get_mut(slot), program.slots.get(slot)) else { return };
         if !is_latest(to, value) {
             self.row = Row::default();
-            self.change(plan, slot, &plan.wakes, value);
+            self.change(plan, slot, value);
         }
         if let Some(version) = self.versions.get_mut(slot)
             && !matches!(value, Value::Missing)
@@ -153,7 +153,7 @@ impl Inputs {
                 && !is_latest(to, value)
                 && let Some(plan) = program.slots.get(column.slot)
             {
-                self.change(plan, column.slot, &column.wakes, value);
+                self.change(plan, column.slot, value);
             }
         }
         if !self.versions.is_empty() {
@@ -163,7 +163,7 @@ impl Inputs {
 
     /// Stores another value, and makes due what turns on it.
     #[inline(always)]
-    fn change(&mut self, plan: &Slot, slot: usize, wakes: &[Wake], value: &Value) {
+    fn change(&mut self, plan: &Slot, slot: usize, value: &Value) {
         let to = &mut self.slots[slot];
         match (&mut *to, value) {
             (Value::Num(to), Value::Num(from)) => {
@@ -179,7 +179,7 @@ impl Inputs {
                     *band = Band::default();
                 }
                 let letters = replace(to, value);
-                wake(&mut self.due, wakes, letters);
+                wake(&mut self.due, &plan.wakes, letters);
             }
         }
     }

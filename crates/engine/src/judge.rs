@@ -13,7 +13,7 @@ use crate::margin::Measured;
 use crate::node::Notes;
 use crate::outcome::{Episode, Outcome};
 use crate::piece::Piece;
-use crate::program::{Group, Judge, Positions, Program};
+use crate::program::{Awaited, Group, Judge, Positions, Program, Read};
 use crate::tracker::can_add;
 use crate::walk::Walk;
 
@@ -114,7 +114,12 @@ impl Piece {
             return Some(why.clone());
         }
         if at.alphabet.is_none() && !walk.started {
-            let names: Vec<_> = walk.missing(at).filter_map(|i| property.waits_for.get(i)).cloned().collect();
+            let mut names: Vec<&str> = Vec::new();
+            for name in walk.missing(at).filter_map(|i| self.missed(property.waits_for.get(i)?, at.reads.get(i)?.0)) {
+                if !names.contains(&name) {
+                    names.push(name);
+                }
+            }
             return Some(match names.is_empty() {
                 true => "it never had a position".to_string(),
                 false => format!("no value ever came: {}", names.join(", ")),
@@ -125,6 +130,14 @@ impl Piece {
             return Some(format!("{name} was silent from {} to {}", Time(from), Time(to)));
         }
         is_spoilt.then(|| "a value was of another kind than the formula needs".to_string())
+    }
+
+    /// What to call what did not come.
+    fn missed<'p>(&self, awaited: &'p Awaited, read: Read) -> Option<&'p str> {
+        Some(match &awaited.in_messages {
+            Some((topic, part)) if self.inputs.last(*topic).is_some() && !self.inputs.defined(read) => part,
+            _ => &awaited.name,
+        })
     }
 
     fn nans(&self, program: &Program, number: usize, notes: &Notes) -> u64 {

@@ -24,45 +24,6 @@ impl From<lapwing_record::Met> for Met {
     }
 }
 
-/// What the engine says of a wait in vain, before the names of what never came.
-const WAITED: &str = "no value ever came: ";
-
-/// The cause of a property that waited in vain, each name once, and, where messages of a topic came, by the fields that they lack.
-pub(crate) fn exactly(meaning: &checked::Spec, property: &Property, cause: &str, inputs: &Inputs) -> Option<String> {
-    let mut names: Vec<String> = Vec::new();
-    for name in cause.strip_prefix(WAITED)?.split(", ") {
-        let lacking = lacking(meaning, property, name, inputs);
-        let exact = if lacking.is_empty() { vec![name.to_owned()] } else { lacking };
-        for one in exact {
-            if !names.contains(&one) {
-                names.push(one);
-            }
-        }
-    }
-    Some(format!("{WAITED}{}", names.join(", ")))
-}
-
-/// The fields that a property reads and that no message of a topic had although there were some.
-fn lacking(meaning: &checked::Spec, property: &Property, topic: &str, inputs: &Inputs) -> Vec<String> {
-    let field = |read: &checked::Read| {
-        let ReadOf::Input(input) = read.what else { return None };
-        let InputSource::Field { topic: number, field } = meaning.inputs.get(input)?.source else { return None };
-        let came = meaning.topics.get(number).filter(|came| came.name == topic && inputs.last(number).is_some())?;
-        (*inputs.value(input) == Value::Missing).then_some(())?;
-        Some(format!("{topic}{}", written(came.fields.get(field)?)))
-    };
-    property.reads.iter().filter_map(field).collect()
-}
-
-/// A way into a value, as it is written behind the name of the whole: `.gaps[0]`.
-fn written(path: &[checked::Step]) -> String {
-    let step = |step: &checked::Step| match step {
-        checked::Step::Field(name) => format!(".{name}"),
-        checked::Step::Index(index) => format!("[{index}]"),
-    };
-    path.iter().map(step).collect()
-}
-
 /// What to add to the cause of a property that waited in vain: for each name in it that never came, one that did.
 pub(crate) fn instead(
     meaning: &checked::Spec,

@@ -277,12 +277,9 @@ impl<'s> Run<'s> {
         properties
     }
 
-    /// Says in the cause of a property that waited in vain for what exactly, and adds what may have been meant.
+    /// Adds to the cause of a property that waited in vain what may have been meant.
     fn guess(&self, number: usize, property: &mut Property, met: &Met) {
         let (Some(checked), Some(cause)) = (self.meaning.properties.get(number), &mut property.cause) else { return };
-        if let Some(exact) = meant::exactly(&self.meaning, checked, cause, self.state.inputs()) {
-            *cause = exact;
-        }
         if let Some(guess) = meant::instead(&self.meaning, checked, cause, self.state.inputs(), met) {
             *cause += &format!("; {guess}");
         }

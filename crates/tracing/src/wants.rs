@@ -6,7 +6,7 @@
 
 use std::collections::BTreeSet;
 
-use lapwing_check::checked::{self, EventSource, PointKind, Step};
+use lapwing_check::checked::{self, EventSource, PointKind, Step, part};
 
 use crate::site::{Origin, Raise, Returned, Site, SpanPlan, When};
 
@@ -356,15 +356,7 @@ impl Draft {
 
 /// What a field of an event is called by call sites, by those who tell it and in recordings: fields of fields have dots.
 pub(crate) fn field_name(path: &[Step]) -> String {
-    let mut name = String::new();
-    for step in path {
-        match step {
-            Step::Field(field) if name.is_empty() => name.push_str(field),
-            Step::Field(field) => name.extend([".", field]),
-            Step::Index(index) => name.push_str(&format!("[{index}]")),
-        }
-    }
-    name
+    part("", path)
 }
 
 /// Whether a span is the function. The empty path is any.

@@ -318,16 +318,21 @@ fn silence(spec: &checked::Spec, input: usize) -> Option<engine::Silence> {
     Some(engine::Silence { of, name, limit })
 }
 
-/// What a property waits for, in words.
-fn waits_for(spec: &checked::Spec, reads: &[checked::Read]) -> Vec<String> {
-    let of_input = |input: &checked::Input| match input.source {
-        InputSource::Field { topic, .. } => spec.topics[topic].name.clone(),
-        InputSource::Column(column) => spec.columns[column].clone(),
-        InputSource::World { object, .. } => format!("ground truth of {}", spec.objects[object].name),
+/// What a property waits for.
+fn waits_for(spec: &checked::Spec, reads: &[checked::Read]) -> Vec<engine::Awaited> {
+    let named = |name: &str| engine::Awaited { name: name.to_owned(), in_messages: None };
+    let of_input = |input: usize| match spec.inputs[input].source {
+        InputSource::Field { topic: number, field } => {
+            let topic = &spec.topics[number];
+            let part = checked::part(&topic.name, &topic.fields[field]);
+            engine::Awaited { in_messages: Some((number, part)), ..named(&topic.name) }
+        }
+        InputSource::Column(column) => named(&spec.columns[column]),
+        InputSource::World { object, .. } => named(&format!("ground truth of {}", spec.objects[object].name)),
     };
-    let words = |r: &checked::Read| match r.what {
-        ReadOf::Input(i) => spec.inputs.get(i).map_or(String::new(), of_input),
-        ReadOf::Topic(t) => spec.topics[t].name.clone(),
+    let awaited = |read: &checked::Read| match read.what {
+        ReadOf::Input(input) => of_input(input),
+        ReadOf::Topic(topic) => named(&spec.topics[topic].name),
     };
-    reads.iter().map(words).collect()
+    reads.iter().map(awaited).collect()
 }

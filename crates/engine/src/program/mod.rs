@@ -68,12 +68,11 @@ pub struct Slot {
     /// What another value of it makes due. [`Program::link`] fills it.
     #[serde(skip)]
     pub wakes: Vec<Wake>,
-    /// Of these, where it was a number and is another: what any other makes due, and what only a number on the far side of a cut does, in
-    /// increasing order.
+    /// What any other number makes due, where it was a number: the rest of it is in `cuts`.
     #[serde(skip)]
     pub every: Vec<Wake>,
+    /// What another number makes due only on the far side of a cut, in increasing order.
     #[serde(skip)]
-    #[allow(missing_docs)] // Above.
     pub cuts: Vec<Cut>,
 }
 
@@ -84,9 +83,6 @@ pub struct Column {
     pub cell: usize,
     /// The slot.
     pub slot: usize,
-    /// What another value of the slot makes due.
-    #[serde(skip)]
-    pub wakes: Vec<Wake>,
 }
 
 /// A topic.
@@ -258,8 +254,17 @@ pub struct Property {
     pub scopes: usize,
     /// Why it cannot be judged at all.
     pub problem: Option<String>,
-    /// What it waits for, in words: for each of [`Positions::reads`].
-    pub waits_for: Vec<String>,
+    /// What it waits for: for each of [`Positions::reads`].
+    pub waits_for: Vec<Awaited>,
+}
+
+/// Something without which a property does not begin.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub struct Awaited {
+    /// What to call it.
+    pub name: String,
+    /// The topic whose messages bring it, where they do, and what to call it when messages came without it.
+    pub in_messages: Option<(usize, String)>,
 }
 
 /// A silence that is too long.

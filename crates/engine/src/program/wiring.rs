@@ -108,9 +108,6 @@ impl Program {
             group.verdicts = if group.rests { group.verdicts() } else { 0 };
         }
         self.slots.iter_mut().for_each(|slot| slot.cuts.sort_by(|a, b| a.at.total_cmp(&b.at)));
-        for column in &mut self.columns {
-            column.wakes = self.slots.get(column.slot).map(|slot| slot.wakes.clone()).unwrap_or_default();
-        }
         self.letters = self.letters().unwrap_or_default();
     }
 
@@ -125,7 +122,7 @@ impl Program {
         let mut slots: Vec<usize> = self.columns.iter().map(|column| column.slot).collect();
         slots.sort_unstable();
         slots.dedup();
-        let letter = |column: &Column| match &column.wakes[..] {
+        let letter = |column: &Column| match &self.slots.get(column.slot)?.wakes[..] {
             [] => Some(0),
             [wake] => Some(wake.letter).filter(|letter| *letter != Wake::NO_LETTER),
             _ => None,

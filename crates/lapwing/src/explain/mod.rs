@@ -126,15 +126,7 @@ fn topic(meaning: &checked::Spec, number: usize, topic: &checked::Topic, recorde
 }
 
 fn path(path: &checked::Path) -> String {
-    let mut out = String::new();
-    for step in path {
-        match step {
-            checked::Step::Field(name) if out.is_empty() => out += name,
-            checked::Step::Field(name) => out += &format!(".{name}"),
-            checked::Step::Index(index) => out += &format!("[{index}]"),
-        }
-    }
-    if out.is_empty() { "the whole message".to_owned() } else { out }
+    if path.is_empty() { "the whole message".to_owned() } else { checked::part("", path) }
 }
 
 fn explained(spec: &Spec, meaning: &checked::Spec, property: &checked::Property) -> Explained {
