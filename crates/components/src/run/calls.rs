@@ -29,7 +29,7 @@ impl Run {
             let answer = self.invent(at);
             return self.takes_off(automaton, codel, declared, None, answer);
         };
-        let locals = match self.cell_of_automaton.get(automaton).copied().flatten() {
+        let locals = match self.cell_of_automaton.get(automaton) {
             Some(cell) => self.serving.get(cell).and_then(|s| s.pending.as_ref()),
             None => self.controls.get(component).and_then(|c| c.current.as_ref()),
         };
@@ -80,8 +80,7 @@ impl Run {
 
     fn lane(&self, automaton: usize, component: usize, declared: &Declared) -> Lane {
         let is_control = self.system.automata.get(automaton).is_some_and(|a| a.part == Part::Control);
-        let task =
-            self.cell_of_automaton.get(automaton).copied().flatten().and_then(|cell| self.system.cells.get(cell));
+        let task = self.cell_of_automaton.get(automaton).and_then(|cell| self.system.cells.get(cell));
         match (is_control, declared.is_async, task) {
             (true, ..) | (_, _, None) => Lane::Control(component),
             (_, true, _) => Lane::Beside(automaton),
@@ -141,7 +140,7 @@ impl Run {
             self.figures.overrun((component, codel), took);
             self.tell(What::Overrun { component, codel, took, wcet });
         }
-        let locals = match self.cell_of_automaton.get(automaton).copied().flatten() {
+        let locals = match self.cell_of_automaton.get(automaton) {
             Some(cell) => self.serving.get_mut(cell).and_then(|s| s.pending.as_mut()),
             None => self.controls.get_mut(component).and_then(|c| c.current.as_mut()),
         };
@@ -167,7 +166,7 @@ impl Run {
     /// What a codel has answered says where its automaton goes.
     fn answered(&mut self, automaton: usize, component: usize, codel: CodelId, declared: &Declared, answer: Answer) {
         let exception = self.exception((component, codel), declared, &answer);
-        match self.cell_of_automaton.get(automaton).copied().flatten() {
+        match self.cell_of_automaton.get(automaton) {
             Some(cell) => {
                 let Some(known) = self.known((component, codel.0)) else { return };
                 let branch = match (&answer, &exception) {

@@ -7,6 +7,7 @@
 mod calls;
 mod known;
 mod moves;
+mod table;
 mod workers;
 
 use std::cmp::Reverse;
@@ -31,6 +32,7 @@ use crate::store::{Locals, Store};
 use crate::types::Types;
 
 use known::Known;
+use table::Table;
 use workers::{Word, Workers};
 
 /// How components are run.
@@ -124,10 +126,10 @@ pub struct Run {
     returns: BinaryHeap<Due>,
     /// By the number of the cell.
     serving: Vec<Serving>,
-    cell_of_automaton: Vec<Option<usize>>,
-    cell_of_var: Vec<Option<usize>>,
-    task_of_timer: Vec<Option<usize>>,
-    task_of_manager: Vec<Option<usize>>,
+    cell_of_automaton: Table,
+    cell_of_var: Table,
+    task_of_timer: Table,
+    task_of_manager: Table,
     /// When the last period of each task began.
     ticked: Vec<Option<Time>>,
     /// By component: the automaton of the control task, the request that it is busy with, and those that wait.
@@ -211,10 +213,10 @@ impl Run {
             flights: system.automata.iter().map(|_| None).collect(),
             returns: BinaryHeap::new(),
             serving: vec![Serving::default(); system.cells.len()],
-            cell_of_automaton: table(system.automata.len(), cells().map(|(n, c)| (c.automaton, n))),
-            cell_of_var: table(system.variables.len(), cells().map(|(n, c)| (c.status.0, n))),
-            task_of_timer: table(system.automata.len(), tasks().filter_map(|(n, t)| Some((t.timer?, n)))),
-            task_of_manager: table(system.automata.len(), tasks().map(|(n, t)| (t.manager, n))),
+            cell_of_automaton: Table::new(system.automata.len(), cells().map(|(n, c)| (c.automaton, n))),
+            cell_of_var: Table::new(system.variables.len(), cells().map(|(n, c)| (c.status.0, n))),
+            task_of_timer: Table::new(system.automata.len(), tasks().filter_map(|(n, t)| Some((t.timer?, n)))),
+            task_of_manager: Table::new(system.automata.len(), tasks().map(|(n, t)| (t.manager, n))),
             ticked: vec![None; system.tasks.len()],
             controls,
             later: BinaryHeap::new(),
@@ -434,17 +436,6 @@ impl Run {
     fn service(&self, whose: Whose) -> Option<&lapwing_genom::model::Service> {
         self.model.components.get(whose.component)?.services.get(whose.service.0)
     }
-}
-
-/// A table by a number, of what only some of these have.
-fn table(length: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Vec<Option<usize>> {
-    let mut all = vec![None; length];
-    for (key, value) in pairs {
-        if let Some(place) = all.get_mut(key) {
-            *place = Some(value);
-        }
-    }
-    all
 }
 
 impl Whose {

@@ -20,7 +20,7 @@ impl Run {
     /// A timer has moved: its period began at `at`.
     pub(super) fn ticks(&mut self, at: Time, next: Move) {
         let Move::Taken { automaton, edge, changes } = next else { return };
-        let Some(number) = self.task_of_timer.get(automaton).copied().flatten() else { return };
+        let Some(number) = self.task_of_timer.get(automaton) else { return };
         self.figures.moves += 1;
         // The last edge of a timer is its period; those before only wait until it may begin.
         let is_period = self.machine.edge(automaton, edge).is_some_and(|e| e.from == e.to);
@@ -56,7 +56,7 @@ impl Run {
 
     /// A turn of a task begins.
     fn turn(&mut self, automaton: usize) {
-        let Some(number) = self.task_of_manager.get(automaton).copied().flatten() else { return };
+        let Some(number) = self.task_of_manager.get(automaton) else { return };
         let Some(task) = self.system.tasks.get(number).copied() else { return };
         let key = (task.component, task.task);
         self.figures.turn(key);
@@ -71,7 +71,7 @@ impl Run {
 
     fn activity(&mut self, automaton: usize, from: LocId, to: LocId) {
         if from == ETHER && to != ETHER {
-            let Some(cell) = self.cell_of_automaton.get(automaton).copied().flatten() else { return };
+            let Some(cell) = self.cell_of_automaton.get(automaton) else { return };
             let Some((whose, instance)) = self.whose(cell) else { return };
             let values = self.serving.get(cell).and_then(|s| s.pending.as_ref()).map(|p| p.values.clone());
             self.tell(What::Started { whose, instance, values: values.unwrap_or_default() });
@@ -79,7 +79,7 @@ impl Run {
     }
 
     fn ended(&mut self, automaton: usize) {
-        let Some(cell) = self.cell_of_automaton.get(automaton).copied().flatten() else { return };
+        let Some(cell) = self.cell_of_automaton.get(automaton) else { return };
         let Some((whose, instance)) = self.whose(cell) else { return };
         let outcome = self.serving.get(cell).and_then(|s| s.outcome.clone()).unwrap_or(Outcome::Done);
         self.tell(What::Ended { whose, instance, outcome });
@@ -93,7 +93,7 @@ impl Run {
 
     /// The status of a cell has changed.
     fn status(&mut self, component: usize, change: Change) {
-        let Some(cell) = self.cell_of_var.get(change.var.0).copied().flatten() else { return };
+        let Some(cell) = self.cell_of_var.get(change.var.0) else { return };
         let Some((whose, instance)) = self.whose(cell) else { return };
         match (change.before, change.after) {
             (status::VOID, status::WAIT) => {
