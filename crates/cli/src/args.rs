@@ -111,6 +111,9 @@ pub struct Check {
     /// true or false counts as ±∞. A property that compares metres here and radians there has no margin. It takes time and memory.
     #[arg(long)]
     pub margins: bool,
+    /// How much is judged at once
+    #[command(flatten)]
+    pub limits: Limits,
     /// Write a page with charts of what happened, for a browser
     ///
     /// One HTML file with everything in it: it needs no network and no other file. It implies --margins.
@@ -137,6 +140,16 @@ pub struct Check {
     /// How recordings are read
     #[command(flatten)]
     pub reading: Reading,
+}
+
+/// How much is judged at once.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct Limits {
+    /// How many runs of obligations a property may have open before it is given up as inconclusive [default: 65536]
+    ///
+    /// `whenever p, eventually q` opens one wherever p begins to hold, and keeps it until q comes.
+    #[arg(long, value_name = "N")]
+    pub open_limit: Option<std::num::NonZeroUsize>,
 }
 
 /// How recordings are read.

@@ -35,6 +35,7 @@ pub fn run(check: &Check) -> Result<Exit, Complaint> {
             until_first_violation: check.until_first_violation,
             margins: check.margins || check.report.is_some(),
             history: check.report.as_ref().map(|_| lapwing_page::points(traces.len())),
+            open_limit: check.limits.open_limit,
         },
         capsules: check.capsules.as_deref(),
         format: check.format.into(),

@@ -58,12 +58,16 @@ fn text() {
 fn json() {
     let run = folder().lapwing("check spec.rv run.csv --format json");
     let reports: Value = serde_json::from_str(&run.stdout).unwrap();
-    let row = |(time, v): &(i64, f64)| json!({"time_ns": time, "values": {"robot.velocity": v}});
-    let episode = |began: i64, failed: i64, until: i64, count: u64, v: f64, before: &[(i64, f64)]| {
+    // What is judged as a whole is no value; a part of it is.
+    let slow = |v: f64| json!({"robot.velocity": v, "robot.velocity < 1": v < 1.0});
+    let speed = |v: f64| json!({"robot.velocity": v});
+    type Values<'v> = &'v dyn Fn(f64) -> Value;
+    let episode = |values: Values, (began, failed, until, count): (i64, i64, i64, u64), v, before: &[(i64, f64)]| {
         let at_beginning = before.iter().find(|(time, _)| *time == began).map_or(v, |(_, v)| *v);
+        let row = |(time, v): &(i64, f64)| json!({"time_ns": time, "values": values(*v)});
         json!({
             "began_ns": began, "failed_ns": failed, "until_ns": until, "count": count,
-            "values": {"robot.velocity": v}, "began_values": {"robot.velocity": at_beginning},
+            "values": values(v), "began_values": values(at_beginning),
             "history": before.iter().map(row).collect::<Vec<_>>()
         })
     };
@@ -77,8 +81,8 @@ fn json() {
                 "verdict": "violated", "cause": null, "vacuous": false,
                 "obligations": {"met": 2, "failed": 3, "open": 0}, "margin": null,
                 "violations": [
-                    episode(500_000_000, 500_000_000, 1_000_000_000, 2, 2.25, &rows[..1]),
-                    episode(2_000_000_000, 2_000_000_000, 2_000_000_000, 1, 3.0, &rows[2..]),
+                    episode(&speed, (500_000_000, 500_000_000, 1_000_000_000, 2), 2.25, &rows[..1]),
+                    episode(&speed, (2_000_000_000, 2_000_000_000, 2_000_000_000, 1), 3.0, &rows[2..]),
                 ],
                 "nans": 0
             },
@@ -86,7 +90,7 @@ fn json() {
                 "name": "slow", "file": "spec.rv", "line": 2, "text": "slow: eventually within 1 s robot.velocity < 1",
                 "verdict": "violated", "cause": null, "vacuous": false,
                 "obligations": {"met": 0, "failed": 1, "open": 0}, "margin": null,
-                "violations": [episode(0, 1_000_000_000, 1_000_000_000, 1, 2.5, &rows[..3])],
+                "violations": [episode(&slow, (0, 1_000_000_000, 1_000_000_000, 1), 2.5, &rows[..3])],
                 "nans": 0
             }
         ],
@@ -180,4 +184,56 @@ fn values_are_those_of_the_signals() {
     assert_eq!(values(0), json!({"p": true, "q": true}));
     assert_eq!(values(1), json!({"x": 0.0}));
     assert_eq!(values(2), json!({"p": false, "q": true}));
+}
+
+/// The parts of a formula have values as its signals do, and each episode has them, also where several fail at once.
+#[test]
+fn every_episode_has_the_values_of_all_parts() {
+    let spec = "a: @{x, -1} > 7\nb: whenever p, x > 5\nc: before x > 8, p\n";
+    let folder = Folder::new(&[
+        ("spec.rv", spec),
+        ("run.csv", "time,p,x\n0,true,1\n1,false,4\n2,true,6\n3,false,7\n4,true,9\n"),
+    ]);
+    let report: Value = serde_json::from_str(&folder.lapwing("check spec.rv run.csv --format json").stdout).unwrap();
+    let violation = |i: usize, k: usize| report[0]["properties"][i]["violations"][k].clone();
+    assert_eq!(violation(0, 0)["values"], json!({"@{x, -1}": 1.0, "x": 4.0}));
+    assert_eq!(violation(1, 0)["values"], json!({"p": true, "x": 1.0, "x > 5": false}));
+    let both = [violation(2, 0), violation(2, 1)];
+    assert_eq!(both.clone().map(|v| v["failed_ns"].clone()), [json!(4_000_000_000_i64), json!(4_000_000_000_i64)]);
+    assert_eq!(both.clone().map(|v| v["values"]["x"].clone()), [json!(9.0), json!(9.0)]);
+    assert_eq!(both.map(|v| v["began_values"]["x"].clone()), [json!(4.0), json!(7.0)]);
+}
+
+/// Of instants with one stamp it is the one at which the obligation began that says what was so then.
+#[test]
+fn values_at_the_beginning_are_those_of_its_own_instant() {
+    let spec = "a: whenever p, eventually within 1 s x > 5\nb: whenever p, next x > 5\n";
+    let run = "time,p,x\n0,true,1\n0,false,2\n0,false,3\n1,true,4\n3,false,2\n";
+    let folder = Folder::new(&[("spec.rv", spec), ("run.csv", run)]);
+    let report: Value = serde_json::from_str(&folder.lapwing("check spec.rv run.csv --format json").stdout).unwrap();
+    let began = |i: usize, k: usize| {
+        let values = &report[0]["properties"][i]["violations"][k]["began_values"];
+        (values["p"].clone(), values["x"].clone())
+    };
+    let expected = [(json!(true), json!(1.0)), (json!(true), json!(4.0))];
+    assert_eq!([[began(0, 0), began(0, 1)], [began(1, 0), began(1, 1)]], [expected.clone(), expected]);
+}
+
+/// A property that has more open than `--open-limit` allows cannot be judged; the others can.
+#[test]
+fn a_limit_on_what_is_open_can_be_set() {
+    let rows: String = (0..40).map(|t| format!("{t},{},false\n", t % 2 == 0)).collect();
+    let spec = "a: whenever p, eventually q\nb: never q\n";
+    let folder = Folder::new(&[("spec.rv", spec), ("run.csv", &format!("time,p,q\n{rows}"))]);
+    let verdicts = |limit: &str| -> Vec<(Value, Value)> {
+        let run = folder.lapwing(&format!("check spec.rv run.csv --format json {limit}"));
+        let report: Value = serde_json::from_str(&run.stdout).unwrap();
+        let properties = report[0]["properties"].as_array().unwrap().iter();
+        properties.map(|p| (p["verdict"].clone(), p["cause"].clone())).collect()
+    };
+    let holds = (json!("holds"), Value::Null);
+    assert_eq!(verdicts(""), [(json!("unmet"), Value::Null), holds.clone()]);
+    let cause = "more than 10 runs of obligations were open at once";
+    assert_eq!(verdicts("--open-limit 10"), [(json!("inconclusive"), json!(cause)), holds]);
+    assert_eq!(folder.lapwing("check spec.rv run.csv --open-limit 0").code, 2);
 }

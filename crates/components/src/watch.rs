@@ -169,7 +169,9 @@ impl Watch {
     fn react(&mut self, run: &mut Run) {
         for guard in &mut self.all {
             while let Some(news) = guard.monitor.news() {
-                guard.answer(run, &news);
+                if !news.is_further {
+                    guard.answer(run, &news);
+                }
                 self.news.push(news);
             }
         }

@@ -11,15 +11,13 @@ use crate::future::{Graph, Moment, step_segments};
 use crate::inputs::{Due, Inputs};
 use crate::looks::LookState;
 use crate::margin::Margins;
-use crate::outcome::{Observer, Output};
+use crate::outcome::{Alarm, Observer, Output};
 use crate::past::{Here, NOW};
 use crate::program::{Alphabet, At, Group, Judged};
-use crate::times::Times;
+use crate::standing::GivenUp;
+use crate::times::{Pos, Times};
 use crate::tracker::{TrackerState, is_obliged};
 use crate::walk::Walk;
-
-/// For each run of open obligations that a property may have, so many may be kept by the operators that decide them.
-const KEPT: usize = 4;
 
 /// An instant that all share.
 #[derive(Clone, Copy)]
@@ -52,8 +50,6 @@ pub(crate) struct Core {
     pub stepped: u64,
     /// The number of faults that have spoilt what stands on them.
     spoilt_by: usize,
-    /// More runs were open than allowed.
-    pub overflowed: bool,
     /// By how much its properties missed changing their verdicts, where that is asked for.
     pub margins: Option<Box<Margins>>,
 }
@@ -73,7 +69,6 @@ impl Core {
             idles: false,
             stepped: 0,
             spoilt_by: 0,
-            overflowed: false,
             margins: None,
         }
     }
@@ -218,9 +213,6 @@ impl Core {
             return;
         }
         self.positions += 1;
-        if self.overflowed {
-            return;
-        }
         if plan.is_plain() {
             self.judge(plan, inputs, now, tell);
         } else {
@@ -236,10 +228,15 @@ impl Core {
             return;
         }
         self.spoilt_by = self.walk.faults.len();
+        let mut is_anew = false;
         for (state, tracker) in self.trackers.iter_mut().zip(&plan.trackers) {
-            if !state.is_spoilt && self.walk.faults.iter().any(|op| tracker.ops.contains(op)) {
-                state.spoil();
+            if state.given_up.is_none() && self.walk.faults.iter().any(|op| tracker.ops.contains(op)) {
+                state.give_up(GivenUp::Spoilt);
+                is_anew = true;
             }
+        }
+        if is_anew {
+            self.let_go(plan);
         }
     }
 
@@ -267,9 +264,10 @@ impl Core {
         for (state, tracker) in trackers.iter_mut().zip(&plan.trackers) {
             if let Judged::State(formula) = tracker.formula
                 && is_obliged(tracker, whole, now)
-                && let Some(began) = state.judge(walk.registers.bit(formula), n, now)
+                && state.judge(walk.registers.bit(formula), n, now)
             {
-                alarm(inputs, tracker.property, key, began, now, tell);
+                let alarm = Alarm { property: tracker.property, instance: key, ..Alarm::at(Time(now)) };
+                raise(inputs, Output::Alarm(alarm), tell);
             }
         }
     }
@@ -283,9 +281,8 @@ impl Core {
             graph.pass(&plan.futures, Moment::Close, view, times);
             decide_looks(plan, graph, looks);
             for (state, tracker) in trackers.iter_mut().zip(&plan.trackers) {
-                if let Some(began) = state.decide(tracker, &graph.decided, now, times) {
-                    alarm(inputs, tracker.property, key, began, now, tell);
-                }
+                let alarms = alarms(inputs, (tracker.property, key), now, times, tell);
+                state.decide(tracker, &graph.decided, now, times, alarms);
                 if graph.segments[tracker.context as usize].closes {
                     state.segment_closed();
                 }
@@ -301,9 +298,8 @@ impl Core {
         }
         for (state, tracker) in trackers.iter_mut().zip(&plan.trackers) {
             let segment = &graph.segments[tracker.context as usize];
-            if let Some(began) = state.position(tracker, n, segment, &view, &graph.decided, times) {
-                alarm(inputs, tracker.property, key, began, now, tell);
-            }
+            let alarms = alarms(inputs, (tracker.property, key), now, times, tell);
+            state.position(tracker, n, segment, &view, &graph.decided, times, alarms);
         }
         // An open bound of no length at all is over where it begins.
         self.advance(plan, inputs, now, tell);
@@ -322,9 +318,8 @@ impl Core {
             graph.pass(&plan.futures, Moment::Deadline { at, closed }, view, times);
             decide_looks(plan, graph, looks);
             for (state, tracker) in trackers.iter_mut().zip(&plan.trackers) {
-                if let Some(began) = state.decide(tracker, &graph.decided, at, times) {
-                    alarm(inputs, tracker.property, key, began, at, tell);
-                }
+                let alarms = alarms(inputs, (tracker.property, key), at, times, tell);
+                state.decide(tracker, &graph.decided, at, times, alarms);
             }
         }
     }
@@ -347,27 +342,8 @@ impl Core {
         let keep = [self.graph.oldest(), open].into_iter().flatten().min().unwrap_or(n);
         self.times.forget_before(keep);
         let obligations = self.trackers.iter().map(|t| t.open.len()).sum::<usize>();
-        if self.graph.runs() + obligations > limit && self.keeps_too_much(plan, limit) {
-            self.give_up(plan);
-        }
-    }
-
-    /// Whether a property has more runs of open obligations than allowed, or what is kept to decide them grows out of proportion.
-    #[cold]
-    fn keeps_too_much(&self, plan: &Group, limit: usize) -> bool {
-        let states = || plan.trackers.iter().zip(&self.trackers);
-        let of = |property| states().filter(|(t, _)| t.property == property).map(|(_, s)| s.open.len()).sum::<usize>();
-        self.graph.runs() > limit.saturating_mul(KEPT) || plan.trackers.iter().any(|t| of(t.property) > limit)
-    }
-
-    /// Too much is open: from here on nothing is judged, and what was kept for it goes. Failures that were counted stand.
-    fn give_up(&mut self, plan: &Group) {
-        self.overflowed = true;
-        self.graph = Graph::new(&plan.contexts, &plan.futures);
-        self.times = Times::default();
-        for tracker in &mut self.trackers {
-            tracker.open.clear();
-            tracker.seal_all();
+        if self.graph.runs() + obligations > limit {
+            self.give_up(plan, limit);
         }
     }
 
@@ -378,6 +354,7 @@ impl Core {
         self.walk.start_afresh(&plan.at, inputs);
         self.times = Times::default();
         self.graph = Graph::new(&plan.contexts, &plan.futures);
+        self.let_go(plan);
         self.trackers.iter_mut().for_each(TrackerState::start_afresh);
         for (state, look) in self.looks.iter_mut().zip(&plan.looks) {
             let entries = state.counts.last().copied().unwrap_or(0);
@@ -414,10 +391,29 @@ fn decide_looks(plan: &Group, graph: &Graph, looks: &mut [LookState]) {
     }
 }
 
-fn alarm(inputs: &Inputs, property: usize, key: &[Option<Value>], began: i64, failed: i64, tell: &mut impl Observer) {
-    // A template of instances that do not exist yet is nobody's alarm.
-    if key.iter().all(Option::is_some) {
-        let (began, failed) = (Time(began), Time(failed));
-        tell.output(inputs, Output::Alarm { property, instance: key, began, failed, why: None });
+/// Tells of the episodes of one conjunct that begin in one pass, given the positions at which their obligations began.
+fn alarms<'a>(
+    inputs: &'a Inputs,
+    (property, instance): (usize, &'a [Option<Value>]),
+    failed: i64,
+    times: &'a Times,
+    tell: &'a mut impl Observer,
+) -> impl FnMut(Pos) + 'a {
+    let mut is_further = false;
+    move |from| {
+        let began = times.at(from);
+        let tied = times.first_after(began).saturating_sub(from + 1);
+        let alarm = Alarm { property, instance, began: Time(began), tied, ..Alarm::at(Time(failed)) };
+        raise(inputs, if is_further { Output::Further(alarm) } else { Output::Alarm(alarm) }, tell);
+        is_further = true;
+    }
+}
+
+/// Tells of an alarm, unless it is that of a template of instances that do not exist yet.
+fn raise(inputs: &Inputs, output: Output<'_>, tell: &mut impl Observer) {
+    if let Output::Alarm(alarm) | Output::Further(alarm) = &output
+        && alarm.instance.iter().all(Option::is_some)
+    {
+        tell.output(inputs, output);
     }
 }

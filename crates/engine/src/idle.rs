@@ -39,7 +39,6 @@ impl Core {
     /// Whether the latest position left everything as it was, and nothing open.
     pub(crate) fn is_still(&self) -> bool {
         self.margins.is_none()
-            && !self.overflowed
             && self.graph.runs() == 0
             && self.graph.segments.iter().all(|segment| !segment.first && !segment.closes)
             && self.trackers.iter().all(|tracker| tracker.is_idle())
@@ -59,7 +58,8 @@ impl Core {
         self.times.skip(missed);
         self.walk.last = Some(last);
         for (state, tracker) in self.trackers.iter_mut().zip(&plan.trackers) {
-            if tracker.at == At::All && self.graph.segments[tracker.context as usize].active && !state.is_spoilt {
+            if tracker.at == At::All && self.graph.segments[tracker.context as usize].active && state.given_up.is_none()
+            {
                 state.met += missed;
             }
         }

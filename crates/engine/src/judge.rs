@@ -14,6 +14,7 @@ use crate::node::Notes;
 use crate::outcome::{Episode, Outcome};
 use crate::piece::Piece;
 use crate::program::{Awaited, Group, Judge, Positions, Program, Read};
+use crate::standing::GivenUp;
 use crate::tracker::can_add;
 use crate::walk::Walk;
 
@@ -85,9 +86,10 @@ impl Piece {
         outcome.episodes = sorted(outcome.episodes);
         let missed = outcome.unmet_since.is_some()
             || (core.positions == 0 && of_property().any(|(tracker, _)| tracker.missed_if_empty));
-        let is_spoilt = of_property().any(|(_, state)| state.is_spoilt);
+        let is_given_up = |why| of_property().any(|(_, state)| state.given_up == Some(why));
+        let is_spoilt = is_given_up(GivenUp::Spoilt);
         outcome.cause = self.cause(program, number, &plan.at, (&core.walk, is_spoilt), ending);
-        if core.overflowed && outcome.cause.is_none() {
+        if is_given_up(GivenUp::Overflowed) && outcome.cause.is_none() {
             outcome.cause = Some(format!("more than {} runs of obligations were open at once", program.open_limit));
         }
         if self.groups.iter().any(|g| g.too_many) && !plan.at.slices.is_empty() && outcome.cause.is_none() {

@@ -10,7 +10,7 @@
 //! 2. At an instant the signals have their latest values ([`inputs`]), then the machines move ([`machine`]).
 //! 3. Each [`Group`](program::Group) of properties with the same positions walks on to the position, where the past operators that
 //!    are due are evaluated ([`walk`], [`past`]), then its graph of future operators ([`future`]), whose decisions end obligations
-//!    ([`tracker`]).
+//!    ([`tracker`]). A property with too many of them open is given up ([`overflow`]).
 //! 4. Where it is asked for, margins are computed beside ([`mod@margin`]).
 //!
 //! The monitor of one property can start afresh ([`reset`](State::reset)).
@@ -44,6 +44,7 @@ mod machine;
 pub mod margin;
 mod node;
 pub mod outcome;
+mod overflow;
 mod past;
 mod piece;
 mod reset;
@@ -58,7 +59,7 @@ mod world;
 
 pub use feed::{Ending, State};
 pub use functions::{compare, numeric};
-pub use outcome::{Episode, Observer, Outcome, Output};
+pub use outcome::{Alarm, Episode, Observer, Outcome, Output};
 pub use program::Program;
 pub use saved::{NotLoaded, NotResumed};
-pub use standing::Standing;
+pub use standing::{GivenUp, Standing};

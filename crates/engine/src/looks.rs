@@ -26,6 +26,8 @@ pub(crate) struct LookState {
     reached: Option<i64>,
     /// Positions that are looked at and where the future formula is unknown.
     asked: Runs,
+    /// Whether nobody wants to know any more what the future formula is.
+    is_off: bool,
     /// Whether the latest position left all of the above as it was.
     #[serde(skip)]
     pub is_still: bool,
@@ -36,6 +38,17 @@ pub(crate) struct LookState {
 impl LookState {
     pub fn new(look: &Look) -> LookState {
         LookState { counts: alloc::vec![0; look.awaits.len() + 1], ..LookState::default() }
+    }
+
+    /// How many runs of positions wait for the future formula.
+    pub fn runs(&self) -> usize {
+        self.asked.len()
+    }
+
+    /// Asks no more.
+    pub fn let_go(&mut self) {
+        self.is_off = true;
+        self.asked = Runs::default();
     }
 
     /// The graph decided something.
@@ -76,7 +89,7 @@ impl LookState {
             }
             LookKind::Same { of } => at(of),
             LookKind::Proves { of, .. } => {
-                if at(of) {
+                if at(of) && !self.is_off {
                     self.asked.push(n);
                 }
                 false

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::automaton::Automaton;
 use crate::inputs::Inputs;
 use crate::node::View;
-use crate::outcome::{Episode, Observer, Output};
+use crate::outcome::{Alarm, Episode, Observer, Output};
 use crate::past::Here;
 use crate::program::{Edge, Machine, MachineState};
 use crate::walk::Walk;
@@ -125,7 +125,9 @@ impl MachineMemory {
         let (began, failed) = (Time(began), Time(failed));
         self.failed += 1;
         self.episodes.push(Episode { failed, began, until: failed, count: 1 });
-        tell.output(inputs, Output::Alarm { property: plan.property, instance: &[], began, failed, why: Some(why) });
+        let why = Some(why);
+        let alarm = Alarm { property: plan.property, instance: &[], began, tied: 0, failed, why };
+        tell.output(inputs, Output::Alarm(alarm));
     }
 
     /// It stands in its initial state, as before its first sample. What it has counted stands.

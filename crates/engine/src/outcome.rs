@@ -24,19 +24,10 @@ pub struct Episode {
 /// Something worth telling at once.
 #[derive(Clone, Debug)]
 pub enum Output<'a> {
-    /// An obligation failed that continues no episode: the alarm.
-    Alarm {
-        /// The number of the property.
-        property: usize,
-        /// The values of its slices.
-        instance: &'a [Option<Value>],
-        /// When the obligation began.
-        began: Time,
-        /// When it failed.
-        failed: Time,
-        /// A machine's move, where it is one: `illegal transition a -> b`.
-        why: Option<String>,
-    },
+    /// An obligation failed that continues no episode.
+    Alarm(Alarm<'a>),
+    /// Another one of the same conjunct that failed in the same pass and continues no episode either: who reacts has been told already.
+    Further(Alarm<'a>),
     /// An instant of the specification's clock is over.
     Instant(Time),
     /// Time went back: every monitor has started anew.
@@ -46,6 +37,30 @@ pub enum Output<'a> {
         /// The first after.
         to: Time,
     },
+}
+
+/// An episode begins.
+#[derive(Clone, Debug)]
+pub struct Alarm<'a> {
+    /// The number of the property.
+    pub property: usize,
+    /// The values of its slices.
+    pub instance: &'a [Option<Value>],
+    /// When the obligation began.
+    pub began: Time,
+    /// How many positions after the one at which it began have come with that very stamp.
+    pub tied: u64,
+    /// When it failed.
+    pub failed: Time,
+    /// A machine's move, where it is one: `illegal transition a -> b`.
+    pub why: Option<String>,
+}
+
+impl Alarm<'_> {
+    /// What failed where it began.
+    pub(crate) fn at(time: Time) -> Self {
+        Alarm { property: 0, instance: &[], began: time, tied: 0, failed: time, why: None }
+    }
 }
 
 /// Who wants to be told, with what the world looked like at that moment.

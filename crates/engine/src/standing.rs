@@ -1,6 +1,8 @@
 //! How things stand of a property while the trace goes on, for whoever acts on it at once: without ending anything, and without a
 //! copy of the state.
 
+use serde::{Deserialize, Serialize};
+
 use crate::feed::State;
 use crate::group::Core;
 use crate::piece::Piece;
@@ -13,8 +15,17 @@ pub struct Standing {
     pub started: bool,
     /// How many of its obligations have failed since then. Two equal numbers with an instant between them: none failed there.
     pub failed: u64,
-    /// Whether a value was of another kind than its formula needs, so that nothing is judged any more.
-    pub spoilt: bool,
+    /// Why nothing is judged any more, where that is so.
+    pub given_up: Option<GivenUp>,
+}
+
+/// Why a property is not judged any more. Failures that were counted stand.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub enum GivenUp {
+    /// A value was of another kind than its formula needs.
+    Spoilt,
+    /// More runs of obligations were open at once than allowed: [`Program::open_limit`].
+    Overflowed,
 }
 
 impl State {
@@ -32,7 +43,7 @@ impl Piece {
             Judge::Machine(machine) => self.machines.get(machine).map_or_else(Standing::default, |memory| Standing {
                 started: memory.walk.started,
                 failed: memory.failed,
-                spoilt: !memory.walk.faults.is_empty(),
+                given_up: (!memory.walk.faults.is_empty()).then_some(GivenUp::Spoilt),
             }),
             Judge::Group(group) => {
                 let (Some(instances), Some(plan)) = (self.groups.get(group), program.groups.get(group)) else {
@@ -53,11 +64,11 @@ impl Core {
         let mut standing = Standing { started: self.walk.started, ..Standing::default() };
         for (tracker, state) in trackers {
             let fails_at_rest = match (tracker.formula, tracker.at) {
-                (Judged::State(formula), At::All) => !state.is_spoilt && !self.walk.registers.bit(formula),
+                (Judged::State(formula), At::All) => state.given_up.is_none() && !self.walk.registers.bit(formula),
                 _ => false,
             };
             standing.failed += state.failed + if fails_at_rest { rested } else { 0 };
-            standing.spoilt |= state.is_spoilt;
+            standing.given_up = standing.given_up.or(state.given_up);
         }
         standing
     }
@@ -68,7 +79,7 @@ impl Standing {
         Standing {
             started: self.started || other.started,
             failed: self.failed + other.failed,
-            spoilt: self.spoilt || other.spoilt,
+            given_up: self.given_up.or(other.given_up),
         }
     }
 }

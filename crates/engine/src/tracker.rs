@@ -10,6 +10,7 @@ use crate::node::View;
 use crate::outcome::Episode;
 use crate::program::{At, Context, ContextKind, Judged, Tracker};
 use crate::runs::Runs;
+use crate::standing::GivenUp;
 use crate::times::{Pos, Times};
 
 /// The obligations of one conjunct.
@@ -26,8 +27,8 @@ pub(crate) struct TrackerState {
     taken: Vec<(Pos, Pos)>,
     /// Episodes that are over.
     pub done: Vec<Episode>,
-    /// A value of another kind than the formula needs was met: from there on nothing is judged. Failures that were counted stand.
-    pub is_spoilt: bool,
+    /// Why nothing is judged any more. Failures that were counted stand.
+    pub given_up: Option<GivenUp>,
 }
 
 /// An episode in the making.
@@ -41,7 +42,7 @@ struct Live {
 }
 
 impl TrackerState {
-    /// Takes a new position in. Returns whether a failure began an episode, and when its obligation began.
+    /// Takes a new position in. Tells `begins` where the obligations began whose failures begin an episode.
     pub fn position(
         &mut self,
         tracker: &Tracker,
@@ -50,41 +51,46 @@ impl TrackerState {
         view: &View<'_>,
         decided: &[Vec<Decided>],
         times: &Times,
-    ) -> Option<i64> {
-        if segment.active && !self.is_spoilt && is_obliged(tracker, segment, view.now) {
+        mut begins: impl FnMut(Pos),
+    ) {
+        if segment.active && self.given_up.is_none() && is_obliged(tracker, segment, view.now) {
             match tracker.formula {
-                Judged::State(formula) => return self.judge(view.bool(formula), n, view.now),
+                Judged::State(formula) => {
+                    if self.judge(view.bool(formula), n, view.now) {
+                        begins(n);
+                    }
+                    return;
+                }
                 Judged::Future(_) => self.open.push(n),
             }
         }
-        let alarm = self.decide(tracker, decided, view.now, times);
+        self.decide(tracker, decided, view.now, times, begins);
         if !self.live.is_empty() {
             self.seal(n);
         }
-        alarm
     }
 
-    /// An obligation that begins and ends at the newest position. Returns when it began, if it failed and began an episode.
+    /// An obligation that begins and ends at the newest position. Returns whether it failed and begins an episode.
     #[inline]
-    pub fn judge(&mut self, holds: bool, n: Pos, now: i64) -> Option<i64> {
-        let mut alarm = None;
-        if self.is_spoilt {
-            return None;
+    pub fn judge(&mut self, holds: bool, n: Pos, now: i64) -> bool {
+        if self.given_up.is_some() {
+            return false;
         }
+        let mut begins = false;
         if holds {
             self.met += 1;
         } else {
-            alarm = self.fail((n, n), now, now);
+            begins = self.fail((n, n), now, now);
         }
         if !self.live.is_empty() {
             self.seal(n);
         }
-        alarm
+        begins
     }
 
     /// The same at the positions `from..=to`, the last with the stamp `last`, which fared as the one before them did.
     pub fn judge_rest(&mut self, holds: bool, (from, to): (Pos, Pos), last: i64) {
-        if self.is_spoilt {
+        if self.given_up.is_some() {
             return;
         }
         if holds {
@@ -94,9 +100,16 @@ impl TrackerState {
         }
     }
 
-    /// Ends obligations whose formula was decided in this pass, at this time.
-    pub fn decide(&mut self, tracker: &Tracker, decided: &[Vec<Decided>], at: i64, times: &Times) -> Option<i64> {
-        let Judged::Future(formula) = tracker.formula else { return None };
+    /// Ends obligations whose formula was decided in this pass, at this time. Tells `begins` where those began whose failures begin an episode.
+    pub fn decide(
+        &mut self,
+        tracker: &Tracker,
+        decided: &[Vec<Decided>],
+        at: i64,
+        times: &Times,
+        mut begins: impl FnMut(Pos),
+    ) {
+        let Judged::Future(formula) = tracker.formula else { return };
         let TrackerState { open, met, taken, .. } = self;
         for d in &decided[formula.id as usize] {
             if d.value != formula.negated {
@@ -105,14 +118,13 @@ impl TrackerState {
                 open.take(d.from, d.to, |a, b| taken.push((a, b)));
             }
         }
-        let mut alarm: Option<i64> = None;
         for i in 0..self.taken.len() {
             let (from, to) = self.taken[i];
-            let began = self.fail((from, to), times.at(from), at);
-            alarm = alarm.or(began);
+            if self.fail((from, to), times.at(from), at) {
+                begins(from);
+            }
         }
         self.taken.clear();
-        alarm
     }
 
     /// What would be missed if the trace were all: the nodes have decided that now.
@@ -126,8 +138,8 @@ impl TrackerState {
         }
     }
 
-    /// Obligations at `from..=to`, the first of which began at `began`, failed. Returns that, unless they continue an episode.
-    fn fail(&mut self, (from, to): (Pos, Pos), began: i64, at: i64) -> Option<i64> {
+    /// Obligations at `from..=to`, the first of which began at `began`, failed. Returns whether they begin an episode.
+    fn fail(&mut self, (from, to): (Pos, Pos), began: i64, at: i64) -> bool {
         self.failed += to - from + 1;
         let mut new = Live {
             from,
@@ -145,7 +157,7 @@ impl TrackerState {
             !touches
         });
         self.live.push(new);
-        (!continues).then_some(began)
+        !continues
     }
 
     /// Episodes that nothing open can join any more are over; `n` is the newest position.
@@ -173,9 +185,9 @@ impl TrackerState {
         self.unmet_since = None;
     }
 
-    /// What is open can no longer be judged.
-    pub fn spoil(&mut self) {
-        self.is_spoilt = true;
+    /// What is open can no longer be judged, nor what comes.
+    pub fn give_up(&mut self, why: GivenUp) {
+        self.given_up.get_or_insert(why);
         self.open.clear();
         self.seal_all();
     }

@@ -82,3 +82,20 @@ fn formulas_that_are_evaluated_anew_are_not_given_up_early() {
         assert_eq!((outcome.verdict, outcome.open), (Verdict::Unmet, 1), "{formula}: {:?}", outcome.cause);
     }
 }
+
+/// Each property has its own limit: those that share positions and operators with one that is given up are judged as they would be alone.
+#[test]
+fn who_has_too_much_open_is_given_up_alone() {
+    let text = "whenever p, eventually q\nwhenever p, eventually within 1 s q\nalways (p or eventually within 9 s q)\n";
+    let program = program(text, 10);
+    let mut state = State::new(&program);
+    for t in 0..100 {
+        let cells = [Value::Bool(t % 2 == 0), Value::Bool(false)];
+        state.feed(&program, Sample { time: Time(t * 1_000_000_000), what: What::Row { cells: &cells } }, &mut ());
+    }
+    let spread: Vec<bool> = (0..3).map(|number| state.standing(&program, number).given_up.is_some()).collect();
+    assert_eq!(spread, [true, false, false]);
+    let outcomes = state.finish(&program, &Ending::default(), &mut ());
+    let judged: Vec<(Verdict, u64)> = outcomes.iter().map(|o| (o.verdict, o.failed)).collect();
+    assert_eq!(judged, [(Verdict::Inconclusive, 0), (Verdict::Violated, 49), (Verdict::Violated, 45)]);
+}

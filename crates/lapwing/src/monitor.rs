@@ -11,7 +11,7 @@ use lapwing_stream::{Sample, Time, Value, Verdict, What};
 use crate::losses::Damage;
 use crate::meant::Met;
 use crate::needs::Needs;
-use crate::run::{Noting, Run};
+use crate::run::{Noting, Run, Untold};
 use crate::spec::Spec;
 
 /// The monitor of a running program. It judges as a [session](crate::Session) over a recording of the same samples would; it knows no clock,
@@ -48,6 +48,8 @@ pub struct News {
     pub property: Property,
     /// What is known of the violation; how long its episode lasts is not.
     pub violation: Violation,
+    /// Whether another one of the property was found at the same moment: who reacts has been told already.
+    pub is_further: bool,
 }
 
 /// What a program could not show, and why: what reads it and did not fail is inconclusive.
@@ -121,8 +123,8 @@ impl Monitor {
     #[inline]
     pub fn news(&mut self) -> Option<News> {
         let untold = self.run.news()?;
-        let (number, instance) = (untold.number, untold.instance);
-        Some(News { number, instance, property: untold.property, violation: untold.violation })
+        let Untold { number, instance, property, violation, is_further } = untold;
+        Some(News { number, instance, property, violation, is_further })
     }
 
     /// The monitor of a property, or of an instance of it, starts afresh: its past is forgotten, its violations stand. Returns whether it

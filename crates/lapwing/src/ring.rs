@@ -267,10 +267,10 @@ impl Ring {
         (self.oldest..self.oldest + self.times.len() as u64).map(|number| Instant { ring: self, number })
     }
 
-    /// The last instant at or before that time.
-    pub fn last_until(&self, time: Time) -> Option<Instant<'_>> {
-        let place = self.times.partition_point(|t| *t <= time).checked_sub(1)?;
-        Some(Instant { ring: self, number: self.oldest + place as u64 })
+    /// The instants at or before that time, from the last back.
+    pub fn back_from(&self, time: Time) -> impl Iterator<Item = Instant<'_>> {
+        let count = self.times.partition_point(|t| *t <= time) as u64;
+        (self.oldest..self.oldest + count).rev().map(|number| Instant { ring: self, number })
     }
 }
 
@@ -382,7 +382,7 @@ mod tests {
         ring.arrive(&Sample { time: Time(1600), what: What::Row { cells: &[] } });
         ring.push(Time(1550), &moment(1550));
         ring.push(Time(1600), &moment(1600));
-        let of = |time| ring.last_until(Time(time)).map(|instant| instant.value(0).clone());
+        let of = |time| ring.back_from(Time(time)).next().map(|instant| instant.value(0).clone());
         assert_eq!([of(1), of(1550), of(1600)], [None, Some(Value::Num(1.0)), Some(Value::Num(1600.0))]);
     }
 
@@ -394,7 +394,7 @@ mod tests {
         let times: Vec<i64> = ring.instants().map(|i| i.time().0).collect();
         assert_eq!(times, (10..count).collect::<Vec<_>>());
         assert!(!ring.is_whole());
-        let until = |k| ring.last_until(Time(k)).map(|i| i.time().0);
+        let until = |k| ring.back_from(Time(k)).next().map(|i| i.time().0);
         assert_eq!([until(9), until(10), until(700), until(i64::MAX)], [None, Some(10), Some(700), Some(count - 1)]);
         for instant in ring.instants() {
             let (k, wanted) = (instant.time().0, moment(instant.time().0));

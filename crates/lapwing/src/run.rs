@@ -1,6 +1,7 @@
 //! One specification over what comes, sample by sample: from a recording or from a running program.
 
 use std::borrow::Cow;
+use std::num::NonZeroUsize;
 
 use lapwing_check::{checked, compile};
 use lapwing_diag::{Code, Diagnostic, Severity};
@@ -33,6 +34,8 @@ pub(crate) struct Noting {
     pub margins: bool,
     /// How signals and properties go over time, and how many points at most of each.
     pub history: Option<usize>,
+    /// How many runs of obligations a property may have open, where it is not as many as usual.
+    pub open_limit: Option<NonZeroUsize>,
 }
 
 /// One specification over what comes.
@@ -69,6 +72,8 @@ pub(crate) struct Untold {
     pub property: Property,
     /// What is known of the violation.
     pub violation: Violation,
+    /// Whether another one of the property was found at the same moment: who reacts has been told already.
+    pub is_further: bool,
 }
 
 impl<'s> Run<'s> {
@@ -76,7 +81,8 @@ impl<'s> Run<'s> {
     pub fn new(spec: Cow<'s, Spec>, checked: lapwing_check::Checked, noting: Noting) -> Run<'s> {
         let diagnostics = checked.beyond(&spec.findings().diagnostics).cloned().collect();
         let meaning = checked.spec;
-        let program = compile::compile(&meaning);
+        let mut program = compile::compile(&meaning);
+        program.open_limit = noting.open_limit.map_or(program.open_limit, NonZeroUsize::get);
         let latches: Vec<_> = meaning.properties.iter().map(|p| Latch::of(&spec, p)).collect();
         let interest = |(property, latch): (&checked::Property, &Option<Latch>)| Interest {
             shown: shown::everything(&spec, &meaning, property),
@@ -192,6 +198,7 @@ impl<'s> Run<'s> {
             instance: found.instance.clone(),
             property: Property { name, verdict: Verdict::Violated, ..blank.clone() },
             violation: found.violation.clone(),
+            is_further: found.is_further,
         })
     }
 

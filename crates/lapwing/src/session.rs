@@ -1,6 +1,7 @@
 //! A session: specifications over one recording, read once.
 
 use std::borrow::Cow;
+use std::num::NonZeroUsize;
 use std::path::Path;
 
 use lapwing_diag::Style;
@@ -31,6 +32,16 @@ pub struct Options {
     pub margins: bool,
     /// Whether to note how signals and properties go over time, and how many points at most of each: see [`Session::run_noting`].
     pub history: Option<usize>,
+    /// How many runs of obligations a property may have open before it is given up as `inconclusive`, where it is not as many as usual:
+    /// [`OPEN_LIMIT`](lapwing_check::compile::OPEN_LIMIT).
+    pub open_limit: Option<NonZeroUsize>,
+}
+
+impl Options {
+    /// What is to be noted of each run.
+    pub(crate) fn noting(&self) -> Noting {
+        Noting { margins: self.margins, history: self.history, open_limit: self.open_limit }
+    }
 }
 
 /// Specifications over one recording, which is read once. Each specification has its own clock and its own state.
@@ -57,7 +68,7 @@ impl<'s> Session<'s> {
     pub fn over(specs: &'s [Spec], recording: Recording, trace: &Path, options: &Options) -> Session<'s> {
         let shape = shape::of(&recording);
         let mut wants = Wants::default();
-        let noting = Noting { margins: options.margins, history: options.history };
+        let noting = options.noting();
         let run = |spec: &'s Spec| Run::new(Cow::Borrowed(spec), spec.against(&shape), noting);
         let runs: Vec<Run> = specs.iter().map(run).collect();
         let intakes = runs.iter().map(|run| Intake::new(run.meaning(), &mut wants)).collect();

@@ -207,7 +207,7 @@ impl Gather<'_> {
                 self.named(e);
                 inside.in_name = true;
             }
-            _ if matches!(e.ty, Type::Num { .. }) && !matches!(e.kind, Kind::Neg(_)) => {
+            _ if is_quantity(e) => {
                 let text = self.text(e, place);
                 if text.chars().count() <= LONGEST {
                     self.value(text, if place.in_number { Role::Part } else { Role::Value }, e);
@@ -299,10 +299,10 @@ impl Gather<'_> {
         out
     }
 
-    /// Everything. A single condition says what the failure says.
+    /// Everything. A single condition says to people what the failure says.
     fn all(mut self) -> Vec<Shown> {
-        if let [_] = self.conditions.as_slice() {
-            self.conditions.clear();
+        if let [only] = self.conditions.as_mut_slice() {
+            only.role = Role::Part;
         }
         self.values.into_iter().chain(self.conditions).take(MOST).collect()
     }
@@ -320,6 +320,16 @@ fn add(list: &mut Vec<Shown>, shown: Shown) {
 pub(crate) fn is_name(text: &str) -> bool {
     let starts = text.starts_with(|c: char| c.is_alphabetic() || c == '_' || c == '`');
     starts && text.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '.' | '[' | ']' | '`'))
+}
+
+/// Whether an expression is a computed value. What a table has no type for may be one that is looked back at.
+fn is_quantity(e: &Expr) -> bool {
+    match (&e.kind, &e.ty) {
+        (Kind::Neg(_), _) => false,
+        (_, Type::Num { .. }) => true,
+        (Kind::Lookback(..), ty) => matches!(ty, Type::Any | Type::Str),
+        _ => false,
+    }
 }
 
 /// Whether an expression depends on the moment.

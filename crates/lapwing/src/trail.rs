@@ -125,7 +125,7 @@ impl<'t> Trail<'t> {
     }
 
     /// Whether the property steps at an instant, or would if it had started.
-    fn is_position(&self, instant: &Instant<'_>) -> bool {
+    pub fn is_position(&self, instant: &Instant<'_>) -> bool {
         let alphabet = self.positions.alphabet.as_ref();
         alphabet.is_none_or(|events| events.iter().any(|&event| self.event(instant, event).is_some()))
     }

@@ -2,7 +2,7 @@
 
 use lapwing_check::checked::{self, Clock, InputSource, ObjectSource};
 use lapwing_engine::inputs::Inputs;
-use lapwing_engine::{Observer, Output};
+use lapwing_engine::{Alarm, Observer, Output};
 use lapwing_react::{Reading, Role, Row, Violation};
 use lapwing_stream::{Duration, Sample, Time, Value};
 
@@ -39,6 +39,8 @@ pub(crate) struct Found {
     pub instance: Vec<Value>,
     /// What is known of it.
     pub violation: Violation,
+    /// Whether another one of the same property was found in the same pass: who reacts has been told already.
+    pub is_further: bool,
 }
 
 /// What is to be noted of a property.
@@ -161,14 +163,16 @@ impl Witness {
         }
     }
 
-    fn alarm(
-        &mut self,
-        inputs: &Inputs,
-        property: usize,
-        params: &[Option<Value>],
-        began: Time,
-        failed: Time,
-    ) -> Option<Violation> {
+    fn find(&mut self, inputs: &Inputs, alarm: Alarm<'_>, is_further: bool) {
+        if let Some(violation) = self.violation(inputs, &alarm) {
+            let Alarm { property, instance, why, .. } = alarm;
+            let instance = instance.iter().flatten().cloned().collect();
+            self.found.push(Found { property, instance, violation: Violation { why, ..violation }, is_further });
+        }
+    }
+
+    fn violation(&mut self, inputs: &Inputs, alarm: &Alarm<'_>) -> Option<Violation> {
+        let Alarm { property, instance: params, began, tied, failed, .. } = *alarm;
         let count = self.counts.get_mut(property)?;
         *count += 1;
         let count = *count;
@@ -202,7 +206,12 @@ impl Witness {
         let account = Account { interest, ring: &self.ring, trail: &trail };
         let here = trail.present(&now, failed);
         let values: Vec<Reading> = interest.shown.iter().map(|s| s.reading(&here)).collect();
-        violation.began_values = if began == failed { Some(values.clone()) } else { account.values_at(began) };
+        violation.began_values = match tied {
+            0 if began == failed => Some(values.clone()),
+            // The present is none of the instants that are kept yet.
+            _ if began == failed && present.is_some() => account.values_at(began, tied - 1),
+            _ => account.values_at(began, tied),
+        };
         violation.values = Some(values);
         if count <= WITH_HISTORY {
             violation.history = account.history(began.min(failed - Duration::from_nanos(BACK)));
@@ -237,10 +246,11 @@ struct Account<'a> {
 }
 
 impl Account<'_> {
-    /// The values at an earlier time: those of the last instant up to it.
-    fn values_at(&self, time: Time) -> Option<Vec<Reading>> {
-        let last = self.ring.last_until(time)?;
-        let point = self.trail.past(last, time);
+    /// The values at an earlier time: at the last instant up to it but so many that came with that very stamp.
+    fn values_at(&self, time: Time, tied: u64) -> Option<Vec<Reading>> {
+        let mut until = self.ring.back_from(time).filter(|i| i.time() < time || self.trail.is_position(i));
+        let instant = until.nth(usize::try_from(tied).ok()?)?;
+        let point = self.trail.past(instant, time);
         Some(self.interest.shown.iter().map(|s| s.reading(&point)).collect())
     }
 
@@ -287,12 +297,8 @@ impl Observer for Witness {
                 self.first.get_or_insert(time);
                 self.ring.push(time, &Now(inputs));
             }
-            Output::Alarm { property, instance, began, failed, why } => {
-                if let Some(violation) = self.alarm(inputs, property, instance, began, failed) {
-                    let instance = instance.iter().flatten().cloned().collect();
-                    self.found.push(Found { property, instance, violation: Violation { why, ..violation } });
-                }
-            }
+            Output::Alarm(alarm) => self.find(inputs, alarm, false),
+            Output::Further(alarm) => self.find(inputs, alarm, true),
             Output::Jump { from, to } => {
                 self.ring.clear();
                 self.first = None;

@@ -150,7 +150,7 @@ pub enum Role {
     /// A signal, an event, a machine, or a number that is computed and compared.
     #[default]
     Value,
-    /// A part of such a number: for programs; people see the number and the signals.
+    /// A part of such a number, or the only condition: for programs; people see the number, the signals, and that it failed.
     Part,
     /// A condition that is a part of the property.
     Condition,

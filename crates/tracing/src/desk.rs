@@ -232,6 +232,9 @@ impl Desk {
     fn answer(&self, bringer: Bringer, news: &News) {
         let violation = Violation::new(news);
         self.listeners.iter().for_each(|listener| self.guarded("a listener", || listener(&violation)));
+        if news.is_further {
+            return;
+        }
         for (number, reaction) in self.reactions.to(news.number) {
             if reaction.at_most_every.is_none_or(|every| self.may(number, every, news)) {
                 reaction.actions.iter().for_each(|action| self.act(bringer, action, news));

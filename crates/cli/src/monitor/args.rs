@@ -47,6 +47,9 @@ pub struct Monitor {
     /// Say by how much each property missed changing its verdict
     #[arg(long)]
     pub margins: bool,
+    /// How much is judged at once
+    #[command(flatten)]
+    pub limits: crate::args::Limits,
     /// Record what was seen: checking that file gives the same verdicts
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,

@@ -93,6 +93,7 @@ fn options(monitor: &Monitor) -> LiveOptions {
             until_first_violation: monitor.until_first_violation,
             margins: monitor.margins || draws,
             history: draws.then(|| lapwing_page::points(1)),
+            open_limit: monitor.limits.open_limit,
         },
         clock: monitor.clock.into(),
         record: monitor.record.clone(),

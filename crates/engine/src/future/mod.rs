@@ -136,6 +136,8 @@ pub(crate) enum FutureState {
     Each(each::State),
     Gate(gate::State),
     Replay(replay::State),
+    /// What nobody asks for any more.
+    Off,
 }
 
 impl FutureState {
@@ -213,7 +215,7 @@ impl FutureState {
     /// How many runs of undecided positions it keeps.
     pub fn runs(&self) -> usize {
         match self {
-            FutureState::State => 0,
+            FutureState::State | FutureState::Off => 0,
             FutureState::And(s) => s.runs(),
             FutureState::Eventually(s) => s.runs(),
             FutureState::Next(s) => s.runs(),
@@ -284,6 +286,19 @@ impl Graph {
 
     /// How many runs of undecided positions there are in all.
     pub fn runs(&self) -> usize {
-        self.nodes.iter().map(FutureState::runs).sum()
+        self.nodes.iter().map(FutureState::runs).fold(0, usize::saturating_add)
+    }
+
+    /// The nodes that keep more runs than that.
+    pub fn larger_than(&self, runs: usize) -> impl Iterator<Item = usize> {
+        self.nodes.iter().enumerate().filter(move |(_, node)| node.runs() > runs).map(|(id, _)| id)
+    }
+
+    /// Lets go of the nodes that are not `needed`.
+    pub fn let_go(&mut self, needed: &[bool]) {
+        for ((node, decided), _) in self.nodes.iter_mut().zip(&mut self.decided).zip(needed).filter(|(_, n)| !**n) {
+            *node = FutureState::Off;
+            *decided = Vec::new();
+        }
     }
 }

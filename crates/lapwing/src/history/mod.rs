@@ -21,7 +21,7 @@ mod tracks;
 
 use lapwing_check::checked;
 use lapwing_engine::inputs::Inputs;
-use lapwing_engine::{Observer, Outcome, Output};
+use lapwing_engine::{Alarm, Observer, Outcome, Output};
 use lapwing_react::Property;
 use lapwing_react::history::{Course, History, Mark};
 use lapwing_stream::{Sample, Time, Value, Verdict};
@@ -145,7 +145,7 @@ impl Observer for Recorder {
                 self.starts.instant(inputs, stamp, &self.axis);
                 self.tracks.instant(inputs, self.axis.now(stamp), &self.plan.wanted);
             }
-            Output::Alarm { property, instance, .. } => {
+            Output::Alarm(Alarm { property, instance, .. }) | Output::Further(Alarm { property, instance, .. }) => {
                 self.alarms.note(property, instance, self.axis.piece());
                 self.margins.keep(property, instance);
                 let groups = self.plan.views.get(property).into_iter().flat_map(|view| &view.groups);

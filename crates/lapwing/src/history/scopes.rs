@@ -111,7 +111,9 @@ impl Probes {
 
 fn note(alarms: &mut Alarms, axis: &mut Axis, output: &Output<'_>) {
     match output {
-        Output::Alarm { property, instance, .. } => alarms.note(*property, instance, axis.piece()),
+        Output::Alarm(alarm) | Output::Further(alarm) => {
+            alarms.note(alarm.property, alarm.instance, axis.piece());
+        }
         Output::Jump { to, .. } => axis.jump(*to),
         _ => {}
     }

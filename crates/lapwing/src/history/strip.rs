@@ -49,7 +49,7 @@ impl Observer for Strip {
     fn output(&mut self, inputs: &Inputs, output: Output<'_>) {
         match output {
             Output::Instant(stamp) => self.tracks.instant(inputs, stamp, &self.plan.wanted),
-            Output::Alarm { .. } => {}
+            Output::Alarm(_) | Output::Further(_) => {}
             // What was before belongs to another time.
             Output::Jump { .. } => self.tracks = Tracks::new(&self.plan.wanted, BUCKETS),
         }

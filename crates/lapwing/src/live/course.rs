@@ -481,12 +481,12 @@ impl<'s> Course<'s> {
         for (spec, post) in self.posts.iter_mut().enumerate() {
             for run in post.shifts.iter_mut().map(|shift| &mut shift.run) {
                 warnings.extend(std::iter::from_fn(|| run.jump()));
-                while let Some(Untold { property, violation, .. }) = run.news() {
+                while let Some(Untold { property, violation, is_further, .. }) = run.news() {
                     watch.event(Event::Violation { property: &property, violation: &violation });
                     let (count, latest) = self.tally.entry((spec, property.name.clone())).or_default();
                     (*count, *latest) = (*count + 1, violation.failed);
                     self.violations += 1;
-                    if let Some(alarms) = &mut self.alarms {
+                    if let (Some(alarms), false) = (&mut self.alarms, is_further) {
                         alarms.push(Alarm { spec, property, violation });
                     }
                 }

@@ -173,7 +173,7 @@ impl<'s> Post<'s> {
             let name = &known.blank.name;
             let owner = self.shifts.iter().find(|shift| shift.owned.contains(name));
             let now = owner.map(|shift| shift.run.standing(name)).unwrap_or_default();
-            stand.is_judged &= now.started && !now.spoilt && known.topics.iter().all(&sees);
+            stand.is_judged &= now.started && now.given_up.is_none() && known.topics.iter().all(&sees);
             stand.failed += now.failed;
         }
         stand

@@ -14,7 +14,7 @@ use lapwing_stream::{Sample, Time, Value, What};
 
 use super::graph::Graph;
 use crate::intake::{Intake, Wants};
-use crate::run::{Noting, Run};
+use crate::run::Run;
 use crate::session::Options;
 use crate::spec::Spec;
 
@@ -66,7 +66,7 @@ impl<'s> Shift<'s> {
         });
         let of_events = of_events.collect();
         let mut wants = Wants::default();
-        let noting = Noting { margins: options.margins, history: options.history };
+        let noting = options.noting();
         let run = Run::new(Cow::Borrowed(spec), checked, noting);
         let intake = Intake::new(run.meaning(), &mut wants);
         let elements = options.recording.limits.elements;

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use lapwing_engine::GivenUp;
 use lapwing_react::Reading;
 use lapwing_react::history::{Plot, Track};
 use lapwing_stream::Time;
@@ -134,8 +135,13 @@ pub struct TopicView {
 /// The violations of a property so far: how many episodes, and when the latest was found.
 pub(crate) type Tally = BTreeMap<(usize, String), (u64, Time)>;
 
-/// Why a property that is spoilt cannot be judged any more.
-const SPOILT: &str = "a value was of another kind than its formula needs";
+/// Why a property cannot be judged any more.
+fn reason(why: GivenUp) -> &'static str {
+    match why {
+        GivenUp::Spoilt => "a value was of another kind than its formula needs",
+        GivenUp::Overflowed => "too many obligations were open at once",
+    }
+}
 
 impl Course<'_> {
     /// How things stand, but for rates and figures.
@@ -162,7 +168,7 @@ impl Course<'_> {
                     self.causes_now(topic).map(|cause| format!("{topic}: {cause}")).collect()
                 };
                 let mut causes: Vec<String> = topics.iter().flat_map(of_topic).collect();
-                causes.extend(standing.spoilt.then(|| SPOILT.to_owned()));
+                causes.extend(standing.given_up.map(|why| reason(why).to_owned()));
                 let state = match () {
                     () if violations > 0 => StateNow::Violated,
                     () if !causes.is_empty() => StateNow::Blind,
