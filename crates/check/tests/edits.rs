@@ -50,3 +50,20 @@ fn what_the_parser_reports_is_not_reported_again() {
         assert_eq!(spec.codes(), code, "{text}");
     }
 }
+
+#[test]
+fn an_edit_stands_for_the_whole_of_what_it_replaces() {
+    let of = |text: &str| -> Vec<(String, String)> {
+        edits(&alone(text)).into_iter().map(|(old, new)| (old.to_owned(), new.to_owned())).collect()
+    };
+    let edit = |old: &str, new: &str| (old.to_owned(), new.to_owned());
+    let first = edit("x > 0 implies eventually y > 1", "whenever x > 0, eventually y > 1");
+    // Each part of a conjunction is a formula of its own.
+    let second = edit("y > 2 implies always x > 3", "whenever y > 2, always x > 3");
+    let both = of("(x > 0 implies eventually y > 1) and (y > 2 implies always x > 3)");
+    assert_eq!(both, [first.clone(), second]);
+    // Below `not`, and the other way round, `whenever` would say something else.
+    assert_eq!(of("not (x > 0 implies always y > 1)"), []);
+    assert_eq!(of("(always y > 1) implies x > 0"), []);
+    assert_eq!(of("x > 0 implies eventually y > 1"), [first]);
+}

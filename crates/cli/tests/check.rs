@@ -201,6 +201,13 @@ fn an_after_that_has_ceased_is_pointed_out() {
     assert!(run.stdout.contains("`while x > 1, never y > 1`"), "{}", run.stdout);
     assert!(run.stdout.contains("`whenever held for 0.5 s (x > 1), never y > 1`"), "{}", run.stdout);
     assert!(run.stdout.contains("warning[latched-after]"), "{}", run.stdout);
+    let report = folder.lapwing("check spec.rv run.csv --format json").stdout;
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    let warning = &report[0]["warnings"][0];
+    assert_eq!(
+        (&warning["code"], &warning["file"], &warning["line"]),
+        (&"latched-after".into(), &"spec.rv".into(), &1.into())
+    );
 }
 
 #[test]

@@ -239,7 +239,8 @@ impl<'s> Run<'s> {
             .map(|d| {
                 let (line, column) = self.spec.findings().sources.position(d.primary.span);
                 let file = self.spec.findings().sources.name(d.primary.span.file).to_owned();
-                Warning { place: Some((file, line, column)), ..Warning::with_code(d.code, d.message.clone()) }
+                let place = Some((file, line, column));
+                Warning { place, is_shown: true, ..Warning::with_code(d.code, d.message.clone()) }
             })
             .collect()
     }
@@ -309,10 +310,11 @@ impl<'s> Run<'s> {
             Warning::with_code(Code::SamplingUnseen, format!("{what} {how}"))
         });
         let latched = (0..self.meaning.properties.len()).filter(|p| self.witness.is_latched(*p)).filter_map(|p| {
-            let name = &self.blanks.get(p)?.name;
+            let Property { name, file, line, column, .. } = self.blanks.get(p)?;
             let failed = properties.iter().any(|p| p.name == *name && p.verdict == Verdict::Violated);
             let message = format!("{name} failed although the X of its `after X` had become false again before");
-            failed.then(|| Warning::with_code(Code::LatchedAfter, message))
+            let place = Some((file.clone(), *line, *column));
+            failed.then(|| Warning { place, ..Warning::with_code(Code::LatchedAfter, message) })
         });
         let unmeasured = self.unmeasured.iter().map(|name| {
             let limit = self.program.margin_limit;

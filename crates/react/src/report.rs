@@ -185,6 +185,8 @@ pub struct Warning {
     pub place: Option<(String, usize, usize)>,
     /// When it arose, where it did at a moment.
     pub at: Option<Time>,
+    /// Whether people have been shown it before the report, with the line that it is about.
+    pub is_shown: bool,
 }
 
 impl Property {
@@ -197,11 +199,11 @@ impl Property {
 impl Warning {
     /// A warning with a page.
     pub fn with_code(code: lapwing_diag::Code, message: impl Into<String>) -> Warning {
-        Warning { code: Some(code.name()), message: message.into(), place: None, at: None }
+        Warning { code: Some(code.name()), message: message.into(), place: None, at: None, is_shown: false }
     }
 
     /// A warning of which the message says everything.
     pub fn plain(message: impl Into<String>) -> Warning {
-        Warning { code: None, message: message.into(), place: None, at: None }
+        Warning { code: None, message: message.into(), place: None, at: None, is_shown: false }
     }
 }

@@ -7,25 +7,34 @@ use crate::checked::{Connective, Expr, Kind};
 use crate::context::{Cx, Env};
 use crate::walk;
 
-/// Looks at the top of a formula, which was written so.
+/// Looks at the top of a formula, which was written so; a conjunction of formulas about the future is two of them.
 pub(super) fn check(cx: &mut Cx, written: &ast::Expr, formula: &Expr) {
-    let Some((state, rest, op)) = mixed(formula) else { return };
+    if let Kind::Connective(Connective::And, left, right) = &formula.kind
+        && left.has_future()
+        && right.has_future()
+    {
+        check(cx, written, left);
+        return check(cx, written, right);
+    }
+    let Some((state, rest)) = mixed(formula) else { return };
     let text = |e: &Expr| cx.sources.slice(e.span).to_owned();
     let mut diagnostic = Diagnostic::new(Code::JudgedOnce, formula.span, "this is judged once, at the beginning")
         .label("not checked again later")
         .also(state.span, "only its first value counts");
-    diagnostic = match op {
-        _ if symbolic(written, formula.span).is_some() => {
+    // Only what stands in the order of the proposal, with nothing around it, means the same there.
+    let is_response = matches!(&formula.kind, Kind::Connective(Connective::Implies, left, right) if !left.has_future() && right.has_future());
+    diagnostic = match () {
+        () if symbolic(written, formula.span).is_some() => {
             let cure = format!("[] ({})", text(formula));
             diagnostic.help(format!("to check it every time, write `{cure}`")).fix(formula.span, cure)
         }
-        Connective::Implies => {
+        () if is_response => {
             // Outside `ltl(…)` what stands in it means nothing without it.
             let whole = |e: &Expr| cx.sources.slice(symbolic(written, e.span).unwrap_or(e.span)).to_owned();
             let cure = format!("whenever {}, {}", whole(state), whole(rest));
             diagnostic.help(format!("to check it every time, write `{cure}`")).fix(formula.span, cure)
         }
-        _ => diagnostic.help(format!("to check it at every instant, write `always ({})`", text(formula))),
+        () => diagnostic.help(format!("to check it at every instant, write `always ({})`", text(formula))),
     };
     cx.report(&Env::default(), diagnostic);
 }
@@ -43,13 +52,12 @@ fn symbolic(written: &ast::Expr, span: Span) -> Option<Span> {
 }
 
 /// The state part and the future part of a mixture.
-fn mixed(formula: &Expr) -> Option<(&Expr, &Expr, Connective)> {
+fn mixed(formula: &Expr) -> Option<(&Expr, &Expr)> {
     match &formula.kind {
         Kind::Not(inner) => mixed(inner),
-        Kind::Connective(op, left, right) => match (left.has_future(), right.has_future()) {
-            (false, true) => Some((left, right, *op)),
-            // Read backwards the proposal would say something else.
-            (true, false) => Some((right, left, if *op == Connective::Implies { Connective::Or } else { *op })),
+        Kind::Connective(_, left, right) => match (left.has_future(), right.has_future()) {
+            (false, true) => Some((left, right)),
+            (true, false) => Some((right, left)),
             (true, true) => mixed(left).or_else(|| mixed(right)),
             (false, false) => None,
         },

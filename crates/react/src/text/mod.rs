@@ -75,9 +75,8 @@ pub(crate) fn remarks(report: &Report) -> String {
     let mut lines = Vec::new();
     lines.extend(report.topics.iter().filter_map(unseen));
     lines.extend(report.gaps.iter().map(|gap| format!("not everything was looked at: {gap}")));
-    // What has a place was shown there already, with the line that it is about.
     let origin = Origin::of(report);
-    lines.extend(report.warnings.iter().filter(|w| w.place.is_none()).map(|w| match (w.code, w.at) {
+    lines.extend(report.warnings.iter().filter(|w| !w.is_shown).map(|w| match (w.code, w.at) {
         (Some(code), _) => format!("warning[{code}]: {}", w.message),
         (None, Some(at)) => format!("warning: at {}: {}", origin.time(at), w.message),
         (None, None) => format!("warning: {}", w.message),
