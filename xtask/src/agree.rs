@@ -92,13 +92,9 @@ impl fmt::Display for Disagreement {
 pub fn agree(spec: &checked::Spec, trace: &Trace, drives: &[Drive]) -> Result<(), Disagreement> {
     let said = reference(spec, trace);
     let program = compile(spec);
-    let forget_vacuity = !counts_entries_exactly(spec);
     let forget_margins = !has_margins(spec);
     for &drive in drives {
         let (mut reference, mut engine) = (said.clone(), engine(&program, trace, drive));
-        if forget_vacuity {
-            engine.iter_mut().chain(&mut reference).for_each(|s| s.vacuous = false);
-        }
         if forget_margins || !drive.measures() {
             engine.iter_mut().chain(&mut reference).for_each(|s| s.margin = None);
         }
@@ -107,29 +103,6 @@ pub fn agree(spec: &checked::Spec, trace: &Trace, drives: &[Drive]) -> Result<()
         }
     }
     Ok(())
-}
-
-/// Whether the engine counts entries of scopes as the reference does. It does not in two corners: the left operand of `until`, which
-/// the engine takes to be looked at at the last position as well, and what stands inside a scope that opens on a future formula.
-fn counts_entries_exactly(spec: &checked::Spec) -> bool {
-    fn has_scope(e: &Expr) -> bool {
-        matches!(e.kind, Kind::Scope(..) | Kind::AfterUntil(..)) || e.children().into_iter().any(has_scope)
-    }
-    fn exact(e: &Expr) -> bool {
-        let here = match &e.kind {
-            Kind::Until(_, left, _) => !has_scope(left),
-            Kind::Scope(_, x, body) => !x.has_future() || !(has_scope(body) || has_scope(x)),
-            Kind::AfterUntil(x, y, body) => {
-                !(x.has_future() || y.has_future()) || ![x, y, body].iter().any(|e| has_scope(e))
-            }
-            _ => true,
-        };
-        here && e.children().into_iter().all(exact)
-    }
-    spec.properties.iter().all(|p| match &p.body {
-        Body::Formula(formula) => exact(formula),
-        _ => true,
-    })
 }
 
 /// Whether the engine computes margins of all formulas. It does not where a scope opens or closes on a formula in which another opens or

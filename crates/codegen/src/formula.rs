@@ -110,7 +110,8 @@ impl Table {
                 };
                 Formula::Each { x: *x, y, body: self.node(group, *body)? }
             }
-            FutureKind::Gate { .. } => return Err(Beyond::OpensLate),
+            // No obligation stands on a survey.
+            FutureKind::Gate { .. } | FutureKind::Survey(_) => return Err(Beyond::OpensLate),
             FutureKind::Replay(replay) => {
                 let is = self.replayed(replay)?;
                 return Ok(if of.negated { !is } else { is });

@@ -354,6 +354,7 @@ impl Core {
         self.walk.start_afresh(&plan.at, inputs);
         self.times = Times::default();
         self.graph = Graph::new(&plan.contexts, &plan.futures);
+        self.graph.give_up_surveys();
         self.let_go(plan);
         self.trackers.iter_mut().for_each(TrackerState::start_afresh);
         for (state, look) in self.looks.iter_mut().zip(&plan.looks) {
@@ -365,6 +366,9 @@ impl Core {
 
     /// How often each scope of a property was entered.
     pub fn entered(&self, plan: &Group, property: usize, scopes: usize) -> Vec<u64> {
+        if let Some(counted) = self.graph.entered(&plan.futures, property) {
+            return counted.to_vec();
+        }
         let mut counts = alloc::vec![0; scopes];
         for (look, state) in plan.looks.iter().zip(&self.looks) {
             if let Some((p, scope)) = look.counts

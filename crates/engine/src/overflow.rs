@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use crate::group::Core;
-use crate::program::{FutureRef, Group, Judged, Look, LookKind};
+use crate::program::{FutureKind, FutureRef, Group, Judged, Look, LookKind};
 use crate::standing::GivenUp;
 
 /// For each run of open obligations that a property may have, so many may be kept by an operator that decides them.
@@ -92,6 +92,9 @@ impl Group {
             }
         }
         for (id, future) in self.futures.iter().enumerate().rev() {
+            if let FutureKind::Survey(survey) = &future.kind {
+                needed[id] = of(survey.property);
+            }
             if needed[id] {
                 future.kind.operands().for_each(|operand| needed[operand.id as usize] = true);
             }

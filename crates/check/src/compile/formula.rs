@@ -89,7 +89,7 @@ impl GroupLowering {
     }
 
     /// The node, or the equal one that is there already.
-    fn future(&mut self, context: u32, kind: FutureKind) -> FutureRef {
+    pub(super) fn future(&mut self, context: u32, kind: FutureKind) -> FutureRef {
         let future = Future::new(context, kind);
         let found = self.futures.iter().position(|f| *f == future);
         let id = found.unwrap_or_else(|| {

@@ -1,9 +1,10 @@
 //! Vacuity: at which positions scopes are looked at, and where they are entered.
 
-use lapwing_engine::program::{Bit, Bound, Context, ContextKind, Look, LookKind};
+use lapwing_engine::program::{Bit, Bound, Context, ContextKind, FutureKind, Look, LookKind};
 
 use super::expr::bound;
 use super::formula::{GroupLowering, WHOLE};
+use super::replay::survey;
 use crate::checked::{Expr, Kind, Scope};
 
 impl GroupLowering {
@@ -14,6 +15,14 @@ impl GroupLowering {
         if scopes > 0 {
             let first = self.look(WHOLE, LookKind::First, None);
             Walk { group: self, property, next: 0 }.of(formula, WHOLE, first);
+        }
+        if shows_late(formula) {
+            // Counters of comparisons were given out when the formula was lowered: all of it is there already.
+            let mut none = u32::MAX / 2;
+            let mut lowering = self.expressions.resume(&mut none);
+            let survey = survey(property, formula, &mut lowering);
+            self.expressions = lowering.rest();
+            self.future(WHOLE, FutureKind::Survey(survey));
         }
         scopes
     }
@@ -54,6 +63,20 @@ impl GroupLowering {
 fn count_scopes(e: &Expr) -> usize {
     let own = matches!(e.kind, Kind::Scope(..) | Kind::AfterUntil(..));
     usize::from(own) + e.children().into_iter().map(count_scopes).sum::<usize>()
+}
+
+/// Whether only the end of the trace says at which positions some scope is looked at: one below the left operand of `until`, or in or beside
+/// a scope that opens or closes on a formula about the future. Until then its entries are taken to be those wherever it may be looked at.
+fn shows_late(e: &Expr) -> bool {
+    let here = match &e.kind {
+        Kind::Until(_, left, _) => count_scopes(left) > 0,
+        Kind::Scope(_, x, body) => x.has_future() && count_scopes(x) + count_scopes(body) > 0,
+        Kind::AfterUntil(x, y, body) => {
+            (x.has_future() || y.has_future()) && [x, y, body].into_iter().any(|e| count_scopes(e) > 0)
+        }
+        _ => false,
+    };
+    here || e.children().into_iter().any(shows_late)
 }
 
 /// A walk through a formula, from the outside in.

@@ -11,12 +11,14 @@
 
 mod and;
 mod each;
+mod evaluate;
 mod eventually;
 mod gate;
 mod next;
 mod replay;
 mod scope;
 mod segments;
+mod survey;
 mod until;
 
 use alloc::vec::Vec;
@@ -136,6 +138,7 @@ pub(crate) enum FutureState {
     Each(each::State),
     Gate(gate::State),
     Replay(replay::State),
+    Survey(survey::State),
     /// What nobody asks for any more.
     Off,
 }
@@ -153,6 +156,7 @@ impl FutureState {
             FutureKind::Each { .. } => FutureState::Each(Default::default()),
             FutureKind::Gate { .. } => FutureState::Gate(Default::default()),
             FutureKind::Replay(_) => FutureState::Replay(Default::default()),
+            FutureKind::Survey(_) => FutureState::Survey(Default::default()),
         }
     }
 
@@ -188,6 +192,7 @@ impl FutureState {
             (FutureState::Replay(s), FutureKind::Replay(formula)) => {
                 replay::step(s, node.context, formula, pass, out);
             }
+            (FutureState::Survey(s), FutureKind::Survey(survey)) => survey::step(s, node.context, survey, pass),
             _ => {}
         }
     }
@@ -215,7 +220,7 @@ impl FutureState {
     /// How many runs of undecided positions it keeps.
     pub fn runs(&self) -> usize {
         match self {
-            FutureState::State | FutureState::Off => 0,
+            FutureState::State | FutureState::Survey(_) | FutureState::Off => 0,
             FutureState::And(s) => s.runs(),
             FutureState::Eventually(s) => s.runs(),
             FutureState::Next(s) => s.runs(),
@@ -287,6 +292,23 @@ impl Graph {
     /// How many runs of undecided positions there are in all.
     pub fn runs(&self) -> usize {
         self.nodes.iter().map(FutureState::runs).fold(0, usize::saturating_add)
+    }
+
+    /// How often the scopes of a property were entered, where a survey has counted that.
+    pub fn entered(&self, futures: &[Future], property: usize) -> Option<&[u64]> {
+        self.nodes.iter().zip(futures).find_map(|(state, node)| match (state, &node.kind) {
+            (FutureState::Survey(state), FutureKind::Survey(survey)) if survey.property == property => state.entered(),
+            _ => None,
+        })
+    }
+
+    /// The positions up to now are no longer known to what counts at the end.
+    pub fn give_up_surveys(&mut self) {
+        for node in &mut self.nodes {
+            if let FutureState::Survey(state) = node {
+                state.give_up();
+            }
+        }
     }
 
     /// The nodes that keep more runs than that.

@@ -137,6 +137,8 @@ pub enum FutureKind {
     /// A formula beyond the operators above (a scope that opens or closes on a future formula, an `until` of future formulas):
     /// evaluated anew from the values of its parts whenever something is new.
     Replay(Replay),
+    /// No formula: it counts how often the scopes of a property are entered, where that shows only when the trace is over.
+    Survey(Survey),
 }
 
 impl FutureKind {
@@ -149,7 +151,9 @@ impl FutureKind {
             | FutureKind::UntilScope { body, .. }
             | FutureKind::Each { body, .. }
             | FutureKind::Gate { body, .. } => (Some(*body), None),
-            FutureKind::State(_) | FutureKind::Until(..) | FutureKind::Replay(_) => (None, None),
+            FutureKind::State(_) | FutureKind::Until(..) | FutureKind::Replay(_) | FutureKind::Survey(_) => {
+                (None, None)
+            }
         };
         one.into_iter().chain(other)
     }
@@ -162,6 +166,17 @@ pub struct Replay {
     pub terms: Vec<Term>,
     /// The state formulas in it.
     pub leaves: Vec<Bit>,
+}
+
+/// A property's formula, and which of its terms are scopes, in the order of the text. `whenever X, φ` is the `always` of `not X or φ`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Survey {
+    /// The property, a number of [`Program::properties`](super::Program::properties).
+    pub property: usize,
+    /// The formula.
+    pub formula: Replay,
+    /// The terms.
+    pub scopes: Vec<usize>,
 }
 
 /// A term of a [`Replay`].
