@@ -11,6 +11,8 @@ use lapwing_stream::Time;
 pub(crate) struct View {
     /// The positions before this one are seen.
     pub(crate) seen: usize,
+    /// Those before this one belong to the segment for sure; of the others that are seen it is not known.
+    pub(crate) sure: usize,
     /// The stamps of those not yet seen are at least this.
     pub(crate) rest: (Time, bool),
     /// How the segment ends.
@@ -41,13 +43,18 @@ impl View {
     pub(crate) fn until(&self, end: usize) -> View {
         View { end: End::At(end), ..*self }
     }
+
+    /// Whether a position that is seen belongs to the segment.
+    fn has(&self, j: usize) -> Truth {
+        if j < self.sure { True } else { Unknown }
+    }
 }
 
 /// The first position with some property, as far as can be told.
 enum First {
     At(usize),
-    /// No earlier than this, and perhaps nowhere.
-    NotBefore(usize),
+    /// Perhaps nowhere.
+    NotKnown,
     Nowhere,
 }
 
@@ -134,20 +141,20 @@ impl Course<'_> {
 
     /// φ holds at every position of `[k, hi)` within the bound.
     fn always(&self, bound: &Bound, holds: impl Fn(usize) -> Truth, k: usize, view: View) -> Truth {
-        let seen = self.within(bound, k, view).fold(True, |all, j| all.and(holds(j)));
+        let seen = self.within(bound, k, view).fold(True, |all, j| all.and(view.has(j).implies(holds(j))));
         if self.may_go_on(bound, k, view) { seen.and(Unknown) } else { seen }
     }
 
     /// φ holds at some position of `[k, hi)` within the bound.
     fn eventually(&self, bound: &Bound, holds: impl Fn(usize) -> Truth, k: usize, view: View) -> Truth {
-        let seen = self.within(bound, k, view).fold(False, |any, j| any.or(holds(j)));
+        let seen = self.within(bound, k, view).fold(False, |any, j| any.or(view.has(j).and(holds(j))));
         if self.may_go_on(bound, k, view) { seen.or(Unknown) } else { seen }
     }
 
     /// `k+1 < hi` and φ holds there.
     fn next(&self, f: &Expr, k: usize, view: View) -> Truth {
         if k + 1 < view.upto() {
-            return self.truth(f, k + 1, view);
+            return view.has(k + 1).and(self.truth(f, k + 1, view));
         }
         match view.end {
             End::At(_) => False,
@@ -163,7 +170,7 @@ impl Course<'_> {
         let (mut any, mut before) = (False, True);
         for j in k..view.upto() {
             if bound.contains(self.time(j).since(self.time(k))) {
-                any = any.or(self.truth(right, j, view).and(before));
+                any = any.or(view.has(j).and(self.truth(right, j, view)).and(before));
             }
             before = before.and(self.truth(left, j, view));
         }
@@ -172,11 +179,16 @@ impl Course<'_> {
 
     /// With `j` the first position of `[k, hi)` with X: none, or `φ̂` holds at `j` in the segment `[j, hi)`.
     fn after(&self, x: &Expr, f: &Expr, k: usize, view: View) -> Truth {
-        match self.first(x, k, view) {
-            First::At(j) => self.hat(f, j, view),
-            First::NotBefore(_) => Unknown,
-            First::Nowhere => True,
+        let (mut all, mut came) = (True, False);
+        for j in k..view.upto() {
+            let first = view.has(j).and(self.truth(x, j, view)).and(!came);
+            if first != False {
+                all = all.and(first.implies(self.hat(f, j, view)));
+            }
+            came = came.or(first);
         }
+        // What is not seen yet may have the first.
+        if view.end == End::Open { all.and(came.or(Unknown)) } else { all }
     }
 
     /// X holds somewhere in `[k, hi)`.
@@ -186,8 +198,7 @@ impl Course<'_> {
 
     /// With `j` the first position of `[k, hi)` with X: `j = k`, or `φ̂` holds at `k` in the segment `[k, j)`.
     fn up_to(&self, x: &Expr, f: &Expr, k: usize, view: View) -> Truth {
-        let first = self.first(x, k, view);
-        self.body(f, k, first, view)
+        self.body(f, k, |j| self.truth(x, j, view), view)
     }
 
     /// In each segment `[i, j)` that an X opens and the next Y at or after `i` closes, `φ̂` holds at `i`.
@@ -197,16 +208,16 @@ impl Course<'_> {
         loop {
             let i = match self.first(x, from, view) {
                 First::At(i) => i,
-                First::NotBefore(_) => return all.and(Unknown),
+                First::NotKnown => return all.and(Unknown),
                 First::Nowhere => return all,
             };
             let end = self.first(y, i, view);
             from = match end {
                 First::At(j) => j + 1,
-                First::NotBefore(_) | First::Nowhere => usize::MAX,
+                First::NotKnown | First::Nowhere => usize::MAX,
             };
-            let goes_on = matches!(end, First::NotBefore(_));
-            all = all.and(self.body(f, i, end, view));
+            let goes_on = matches!(end, First::NotKnown);
+            all = all.and(self.body(f, i, |j| self.truth(y, j, view), view));
             if from == usize::MAX {
                 return if goes_on { all.and(Unknown) } else { all };
             }
@@ -220,16 +231,16 @@ impl Course<'_> {
         loop {
             let i = match self.first(x, from, view) {
                 First::At(i) => i,
-                First::NotBefore(_) => return all.and(Unknown),
+                First::NotKnown => return all.and(Unknown),
                 First::Nowhere => return all,
             };
             let end = self.first_with(i, view, |j| !self.truth(x, j, view));
             let next = match end {
                 First::At(j) => Some(j),
-                First::NotBefore(_) | First::Nowhere => None,
+                First::NotKnown | First::Nowhere => None,
             };
-            let goes_on = matches!(end, First::NotBefore(_));
-            all = all.and(self.body(f, i, end, view));
+            let goes_on = matches!(end, First::NotKnown);
+            all = all.and(self.body(f, i, |j| !self.truth(x, j, view), view));
             match next {
                 Some(j) => from = j,
                 None => return if goes_on { all.and(Unknown) } else { all },
@@ -237,20 +248,17 @@ impl Course<'_> {
         }
     }
 
-    /// `φ̂` at `i` in the segment that reaches from `i` to where `end` says. An empty segment counts as true.
-    fn body(&self, f: &Expr, i: usize, end: First, view: View) -> Truth {
-        match end {
-            First::At(j) if j == i => True,
-            First::At(j) => self.hat(f, i, view.until(j)),
-            // Nothing of the segment is sure.
-            First::NotBefore(j) if j == i => Unknown,
-            // What lies before `j` is in the segment for sure, what comes from there on is unknown.
-            First::NotBefore(j) => {
-                let rest = if j < self.len() && j < view.seen { (self.time(j), false) } else { view.rest };
-                self.hat(f, i, View { seen: j, rest, end: End::Open })
-            }
-            First::Nowhere => self.hat(f, i, view),
-        }
+    /// `φ̂` at `i` in the segment that reaches from `i` to the first position that `ends` it. An empty segment counts as true.
+    fn body(&self, f: &Expr, i: usize, ends: impl Fn(usize) -> Truth, view: View) -> Truth {
+        let ends = |j: usize| view.has(j).and(ends(j));
+        let empty = if i < view.upto() { ends(i) } else { False };
+        // What lies before the first position that may end it is in the segment for sure, what lies before the first that does perhaps.
+        let sure = (i..view.upto()).find(|&j| ends(j) != False);
+        let end = (i..view.upto()).find(|&j| ends(j) == True);
+        let whole = end.map_or(view, |end| view.until(end));
+        // Where it is not empty, `i` belongs to it.
+        let sure = sure.map_or(whole.sure, |j| j.min(whole.sure).max(i + 1));
+        if empty == True { True } else { empty.or(self.hat(f, i, View { sure, ..whole })) }
     }
 
     /// The first position of `[from, hi)` with X.
@@ -260,14 +268,14 @@ impl Course<'_> {
 
     fn first_with(&self, from: usize, view: View, holds: impl Fn(usize) -> Truth) -> First {
         for j in from..view.upto() {
-            match holds(j) {
+            match view.has(j).and(holds(j)) {
                 True => return First::At(j),
                 False => {}
-                Unknown => return First::NotBefore(j),
+                Unknown => return First::NotKnown,
             }
         }
         match view.end {
-            End::Open => First::NotBefore(view.upto().max(from)),
+            End::Open => First::NotKnown,
             End::At(_) | End::Cut => First::Nowhere,
         }
     }

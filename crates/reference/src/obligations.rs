@@ -344,7 +344,7 @@ impl Course<'_> {
     /// Finds the first moment at which an obligation is decided.
     fn fate(&self, o: &Obligation<'_>, moments: &[Moment]) -> Fate {
         for moment in moments.iter().filter(|m| m.seen > o.at) {
-            match self.value_of(o, View { seen: moment.seen, rest: moment.rest, end: End::Open }) {
+            match self.value_of(o, View { seen: moment.seen, sure: usize::MAX, rest: moment.rest, end: End::Open }) {
                 Truth::True => return Fate::Met,
                 Truth::False => return Fate::Failed(moment.at),
                 Truth::Unknown => {}
@@ -355,7 +355,7 @@ impl Course<'_> {
 
     /// The whole trace, taken as all there is.
     pub(crate) fn whole(&self) -> View {
-        View { seen: self.len(), rest: (self.piece.last, false), end: End::Cut }
+        View { seen: self.len(), sure: usize::MAX, rest: (self.piece.last, false), end: End::Cut }
     }
 }
 

@@ -14,19 +14,36 @@ pub(super) type Answer = Option<Option<bool>>;
 pub(super) enum End {
     /// It goes on.
     Open,
-    /// Where it ends depends on what is unknown; what may still belong to it has this stamp or a later one.
-    Undetermined { from: i64 },
     /// It is over.
     Closed,
     /// The trace ends here, its last stamp this; what reaches beyond stays unknown.
     Cut { last: i64 },
 }
 
-/// A segment: the position after the last that is known to belong to it, and how it ends.
+/// A segment: the positions before `sure` belong to it, those from there up to `hi` perhaps, where it depends on what is unknown which is its
+/// last; and how it ends, if not among them.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct Segment {
+    pub sure: Pos,
     pub hi: Pos,
     pub end: End,
+}
+
+impl Segment {
+    /// All of whose positions are sure.
+    pub fn new(hi: Pos, end: End) -> Segment {
+        Segment { sure: hi, hi, end }
+    }
+
+    /// The part of it that ends before a position.
+    pub fn until(self, hi: Pos) -> Segment {
+        Segment { sure: self.sure.min(hi), hi, end: End::Closed }
+    }
+
+    /// Whether a position among the known ones belongs to it.
+    fn has(self, j: Pos) -> Option<bool> {
+        (j < self.sure).then_some(true)
+    }
 }
 
 /// Where a formula first holds.
@@ -121,7 +138,7 @@ impl Asking<'_> {
             }
             Term::Eventually(b, f) => self.eventually(&b, f, k, s, false),
             Term::Always(b, f) => self.eventually(&b, f, k, s, true).map(|x| !x),
-            Term::Next(f) if k + 1 < s.hi => self.term(f, k + 1, s),
+            Term::Next(f) if k + 1 < s.hi => and(self.term(f, k + 1, s), s.has(k + 1)),
             Term::Next(_) => {
                 if s.end == End::Closed {
                     Some(false)
@@ -130,11 +147,7 @@ impl Asking<'_> {
                 }
             }
             Term::Until(b, l, r) => self.until(&b, l, r, k, s),
-            Term::After(x, f) => match self.first(x, false, k, s) {
-                First::At(j) => self.term(f, j, s),
-                First::Unknown(_) => None,
-                First::Nowhere => self.nothing_more(s),
-            },
+            Term::After(x, f) => self.after(x, f, k, s),
             Term::UntilScope(x, f) => {
                 let (comes, body) = self.up_to(x, f, k, s);
                 and(comes, body)
@@ -143,12 +156,8 @@ impl Asking<'_> {
                 let (comes, body) = self.up_to(x, f, k, s);
                 or(comes.map(|c| !c), body)
             }
-            Term::AfterUntil(x, y, f) => {
-                self.each(k, s, f, |from| self.first(x, false, from, s), |from| self.first(y, false, from, s), 1)
-            }
-            Term::While(x, f) => {
-                self.each(k, s, f, |from| self.first(x, false, from, s), |from| self.first(x, true, from, s), 0)
-            }
+            Term::AfterUntil(x, y, f) => self.each(k, s, f, |from| self.first(x, false, from, s), (y, false), 1),
+            Term::While(x, f) => self.each(k, s, f, |from| self.first(x, false, from, s), (x, true), 0),
         }
     }
 
@@ -162,7 +171,6 @@ impl Asking<'_> {
         let end = (self.stamp(k).saturating_add(bound.hi), bound.hi_closed);
         match s.end {
             End::Open => bound.has_end() && end < self.limit,
-            End::Undetermined { from } => bound.has_end() && end < (from, true),
             End::Closed => true,
             End::Cut { last } => !bound.has_end() || end.0 <= last,
         }
@@ -177,7 +185,7 @@ impl Asking<'_> {
                 return found;
             }
             if bound.begun(distance) {
-                found = or(found, self.term(f, j, s).map(|x| x != negated));
+                found = or(found, and(self.term(f, j, s).map(|x| x != negated), s.has(j)));
             }
             if found == Some(true) {
                 return found;
@@ -194,7 +202,7 @@ impl Asking<'_> {
                 return found;
             }
             if bound.begun(distance) {
-                found = or(found, and(all, self.term(r, j, s)));
+                found = or(found, and(and(all, self.term(r, j, s)), s.has(j)));
             }
             all = and(all, self.term(l, j, s));
             if found == Some(true) || all == Some(false) {
@@ -204,31 +212,56 @@ impl Asking<'_> {
         if self.is_over(bound, k, s) { found } else { or(found, and(all, None)) }
     }
 
+    /// Whether `x` holds at a position of the segment, or with `negated` does not.
+    fn holds_at(&self, x: usize, negated: bool, j: Pos, s: Segment) -> Option<bool> {
+        and(self.term(x, j, s).map(|holds| holds != negated), s.has(j))
+    }
+
     /// The first position from `from` on at which `x` holds, or with `negated` does not.
     pub fn first(&self, x: usize, negated: bool, from: Pos, s: Segment) -> First {
         for j in from..s.hi {
-            match self.term(x, j, s) {
-                Some(v) if v != negated => return First::At(j),
-                Some(_) => {}
+            match self.holds_at(x, negated, j, s) {
+                Some(true) => return First::At(j),
+                Some(false) => {}
                 None => return First::Unknown(j),
             }
         }
         First::Nowhere
     }
 
+    /// `f` at `k` in the part of a segment up to the first `x` at or after `k`, or with `negated` the first that is not, which is not known earlier
+    /// than at `u`. Where it is at `k` itself nothing is asked of `f`; else `k` belongs to that part.
+    fn up_to_unknown(&self, f: usize, k: Pos, (x, negated, u): (usize, bool, Pos), s: Segment) -> Option<bool> {
+        let certain = (u..s.hi).find(|&j| self.holds_at(x, negated, j, s) == Some(true));
+        let part = Segment { sure: u.min(s.sure).max(k + 1), ..certain.map_or(s, |j| s.until(j)) };
+        let value = self.term(f, k, part);
+        if u == k { or(None, value) } else { value }
+    }
+
+    /// `after X, f` at `k`: wherever X may hold first, f holds.
+    fn after(&self, x: usize, f: usize, k: Pos, s: Segment) -> Option<bool> {
+        let (mut all, mut came) = (Some(true), Some(false));
+        for j in k..s.hi {
+            let here = self.holds_at(x, false, j, s);
+            if here != Some(false) {
+                all = and(all, or(or(here.map(|x| !x), came), self.term(f, j, s)));
+                came = or(came, here);
+            }
+            if came == Some(true) || all == Some(false) {
+                return all;
+            }
+        }
+        and(all, or(came, self.nothing_more(s)))
+    }
+
     /// Of `until X, f` at `k`: whether X comes, and whether f holds up to it.
     fn up_to(&self, x: usize, f: usize, k: Pos, s: Segment) -> (Option<bool>, Option<bool>) {
         match self.first(x, false, k, s) {
             First::At(j) if j == k => (Some(true), Some(true)),
-            First::At(j) => (Some(true), self.term(f, k, Segment { hi: j, end: End::Closed })),
+            First::At(j) => (Some(true), self.term(f, k, s.until(j))),
             First::Unknown(u) => {
-                let comes = (u..s.hi).any(|j| self.term(x, j, s) == Some(true));
-                let body = if u == k {
-                    None
-                } else {
-                    self.term(f, k, Segment { hi: u, end: End::Undetermined { from: self.stamp(u) } })
-                };
-                (comes.then_some(true), body)
+                let comes = (u..s.hi).any(|j| self.holds_at(x, false, j, s) == Some(true));
+                (comes.then_some(true), self.up_to_unknown(f, k, (x, false, u), s))
             }
             First::Nowhere => (self.nothing_more(s).map(|_| false), self.term(f, k, s)),
         }
@@ -241,7 +274,7 @@ impl Asking<'_> {
         s: Segment,
         f: usize,
         opens: impl Fn(Pos) -> First,
-        closes: impl Fn(Pos) -> First,
+        closes: (usize, bool),
         skip: u64,
     ) -> Option<bool> {
         let (mut all, mut from) = (Some(true), k);
@@ -251,19 +284,16 @@ impl Asking<'_> {
                 First::Unknown(_) => return and(all, None),
                 First::Nowhere => return and(all, self.nothing_more(s)),
             };
-            match closes(start) {
+            let (y, negated) = closes;
+            match self.first(y, negated, start, s) {
                 First::At(end) => {
                     if end > start {
-                        all = and(all, self.term(f, start, Segment { hi: end, end: End::Closed }));
+                        all = and(all, self.term(f, start, s.until(end)));
                     }
                     from = end + skip;
                 }
                 First::Unknown(u) => {
-                    let body = if u == start {
-                        None
-                    } else {
-                        self.term(f, start, Segment { hi: u, end: End::Undetermined { from: self.stamp(u) } })
-                    };
+                    let body = self.up_to_unknown(f, start, (y, negated, u), s);
                     return and(and(all, body), None);
                 }
                 First::Nowhere => {

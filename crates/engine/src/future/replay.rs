@@ -61,7 +61,7 @@ impl State {
 
     /// Decides what can be decided.
     fn decide(&mut self, formula: &Replay, end: End, limit: (i64, bool), out: &mut Vec<Decided>) {
-        let segment = Segment { hi: self.next(), end };
+        let segment = Segment::new(self.next(), end);
         self.answers.clear();
         self.answers.resize(formula.terms.len() * self.stored.len(), Cell::new(None));
         let State { first, stored, values, answers, .. } = &*self;

@@ -56,7 +56,7 @@ pub(crate) fn step(state: &mut State, context: u32, survey: &Survey, pass: &Pass
 /// Walks through the formula as its meaning does; `None` where that is too much work.
 fn count(state: &State, survey: &Survey, last: i64) -> Option<Vec<u64>> {
     let positions = state.stamps.len();
-    let segment = Segment { hi: positions as Pos, end: End::Cut { last } };
+    let segment = Segment::new(positions as Pos, End::Cut { last });
     let answers = alloc::vec![Cell::new(None); survey.formula.terms.len() * positions];
     let asking = Asking {
         formula: &survey.formula,
@@ -181,7 +181,7 @@ impl Walk<'_> {
 
     /// A scope's body in the segment from `i` to `end`, where that is known; nothing looks into an empty one.
     fn inside(&mut self, f: usize, i: Pos, end: Option<Pos>, s: Segment) {
-        let s = end.map_or(s, |hi| Segment { hi, end: End::Closed });
+        let s = end.map_or(s, |hi| s.until(hi));
         if i < s.hi {
             self.at(f, i, s);
         }
