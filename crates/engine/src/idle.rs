@@ -63,7 +63,7 @@ impl Core {
                 state.met += missed;
             }
         }
-        for look in &mut self.looks {
+        for look in &mut *self.looks {
             look.counts[0] += if look.now { missed } else { 0 };
         }
     }

@@ -8,7 +8,7 @@ use lapwing_stream::{Time, Verdict};
 
 use crate::feed::Ending;
 use crate::group::Core;
-use crate::instances::{INSTANCES, Instances};
+use crate::instances::INSTANCES;
 use crate::margin::Measured;
 use crate::node::Notes;
 use crate::outcome::{Episode, Outcome};
@@ -31,9 +31,13 @@ impl Piece {
             _ if self.last.is_none() => blank("the trace has no message".to_string()),
             Judge::Machine(m) => alloc::vec![self.machine_outcome(program, number, m, ending)],
             Judge::Group(g) => {
-                let Instances { cores, seen, .. } = &self.groups[g];
-                let instances = seen.iter().map(|&i| &cores[i]);
-                instances.map(|core| self.core_outcome(program, number, &program.groups[g], core, ending)).collect()
+                let mut outcomes = Vec::new();
+                self.groups[g].look_at_each(|key, core| {
+                    let instance = key.iter().flatten().cloned().collect();
+                    let outcome = self.core_outcome(program, number, &program.groups[g], core, ending);
+                    outcomes.push(Outcome { instance, ..outcome });
+                });
+                outcomes
             }
         }
     }
@@ -63,7 +67,6 @@ impl Piece {
         let scopes = program.properties[number].scopes;
         let of_property = || plan.trackers.iter().zip(&core.trackers).filter(|(t, _)| t.property == number);
         let mut outcome = Outcome {
-            instance: core.key.iter().flatten().cloned().collect(),
             entered: core.entered(plan, number, scopes),
             positions: core.positions,
             nans: self.nans(program, number, &core.walk.notes),

@@ -38,8 +38,9 @@ impl Piece {
                 let (Some(instances), Some(plan)) = (self.groups.get(group), program.groups.get(group)) else {
                     return Standing::default();
                 };
-                let cores = instances.seen.iter().filter_map(|&core| instances.cores.get(core));
-                cores.map(|core| core.standing(plan, number, self.instants)).fold(Standing::default(), Standing::join)
+                let mut all = Standing::default();
+                instances.look_at_each(|_, core| all = all.join(core.standing(plan, number, self.instants)));
+                all
             }
         }
     }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::future::{Decided, Segment};
 use crate::node::View;
 use crate::outcome::Episode;
+use crate::pack::packed;
 use crate::program::{At, Context, ContextKind, Judged, Tracker};
 use crate::runs::Runs;
 use crate::times::{Pos, Times};
@@ -30,8 +31,10 @@ pub(crate) struct TrackerState {
     pub is_spoilt: bool,
 }
 
+packed!(TrackerState { open, met, failed, unmet_since, live, done, is_spoilt } without { taken });
+
 /// An episode in the making.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Live {
     from: Pos,
     to: Pos,
@@ -39,6 +42,8 @@ struct Live {
     first: Pos,
     episode: Episode,
 }
+
+packed!(Live { from, to, first, episode });
 
 impl TrackerState {
     /// Takes a new position in. Returns whether a failure began an episode, and when its obligation began.

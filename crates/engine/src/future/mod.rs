@@ -19,11 +19,13 @@ mod scope;
 mod segments;
 mod until;
 
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use serde::{Deserialize, Serialize};
 
 use crate::node::View;
+use crate::pack::{Pack, Packer, Unpacker, packed};
 use crate::program::{Bound, Context, Future, FutureKind, FutureRef};
 use crate::times::{Pos, Times};
 
@@ -227,6 +229,39 @@ impl FutureState {
     }
 }
 
+/// What it is of, the program says.
+impl Pack for FutureState {
+    fn pack(&self, to: &mut Packer) {
+        match self {
+            FutureState::State => {}
+            FutureState::And(state) => state.pack(to),
+            FutureState::Eventually(state) => state.pack(to),
+            FutureState::Next(state) => state.pack(to),
+            FutureState::Until(state) => state.pack(to),
+            FutureState::After(state) => state.pack(to),
+            FutureState::UntilScope(state) => state.pack(to),
+            FutureState::Each(state) => state.pack(to),
+            FutureState::Gate(state) => state.pack(to),
+            FutureState::Replay(state) => state.pack(to),
+        }
+    }
+
+    fn unpack(&mut self, from: &mut Unpacker<'_>) {
+        match self {
+            FutureState::State => {}
+            FutureState::And(state) => state.unpack(from),
+            FutureState::Eventually(state) => state.unpack(from),
+            FutureState::Next(state) => state.unpack(from),
+            FutureState::Until(state) => state.unpack(from),
+            FutureState::After(state) => state.unpack(from),
+            FutureState::UntilScope(state) => state.unpack(from),
+            FutureState::Each(state) => state.unpack(from),
+            FutureState::Gate(state) => state.unpack(from),
+            FutureState::Replay(state) => state.unpack(from),
+        }
+    }
+}
+
 /// What an operand decided in this pass.
 #[derive(Clone, Copy)]
 pub(crate) struct Operand<'a> {
@@ -243,12 +278,15 @@ impl Operand<'_> {
 /// The states of all contexts and nodes of a group.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Graph {
-    pub segments: Vec<Segment>,
-    nodes: Vec<FutureState>,
+    pub segments: Box<[Segment]>,
+    nodes: Box<[FutureState]>,
     /// What each node decided in the latest pass.
     pub decided: Vec<Vec<Decided>>,
     deadline: Option<(i64, bool)>,
 }
+
+// What was decided in a pass is not asked for after it.
+packed!(Graph { segments, nodes, deadline } without { decided });
 
 impl Graph {
     pub fn new(contexts: &[Context], futures: &[Future]) -> Graph {

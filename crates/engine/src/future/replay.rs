@@ -13,6 +13,7 @@ use core::cell::Cell;
 use serde::{Deserialize, Serialize};
 
 use super::{Decided, Moment, Pass};
+use crate::pack::packed;
 use crate::program::{Bound, Replay, Term};
 use crate::runs::Runs;
 use crate::times::Pos;
@@ -43,6 +44,8 @@ pub(crate) struct State {
 
 /// What a term is at a position of the segment: not asked yet, or true, false, unknown.
 type Answer = Option<Option<bool>>;
+
+packed!(State { first, stored, values, open, deadline, is_given_up } without { answers });
 
 impl State {
     pub fn runs(&self) -> usize {
