@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand};
 use soccer::fault::Fault;
 use soccer::figures::{self, Player};
 use soccer::game::{Game, spec};
-use soccer::{page, watch};
+use soccer::{costs, page, watch};
 
 /// A Lego robot plays soccer, and is watched by monitors that it knows nothing of.
 #[derive(Parser)]
@@ -28,6 +28,8 @@ enum Command {
         #[arg(long, default_value_t = 1)]
         seed: u64,
     },
+    /// Measure what monitoring costs: code size, and time at each place where the thesis measured
+    Costs(Costs),
     /// List what can go wrong
     Faults,
 }
@@ -54,10 +56,27 @@ struct Play {
     json: bool,
 }
 
+#[derive(Args)]
+struct Costs {
+    /// How many matches to play in each way
+    #[arg(long, default_value_t = 20)]
+    matches: u64,
+    /// Write the distributions as box plots
+    #[arg(long, value_name = "FILE.html")]
+    page: Option<PathBuf>,
+    /// Do not build the robot's program to compare its sizes
+    #[arg(long)]
+    no_sizes: bool,
+    /// Measure one way here, and print its times in nanoseconds as JSON
+    #[arg(long, hide = true)]
+    way: Option<String>,
+}
+
 fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Play(options) => play(&options),
         Command::Figures { seed } => figures(seed),
+        Command::Costs(options) => costs(&options),
         Command::Faults => {
             let lines: Vec<String> = Fault::ALL.iter().map(|f| format!("{:<24}{}", f.name(), f.what())).collect();
             print(&(lines.join("\n") + "\n"))
@@ -100,6 +119,20 @@ fn figures(seed: u64) -> Result<(), String> {
     let me = std::env::current_exe().map_err(|e| e.to_string())?;
     let compared = figures::compare(&spec.alone().spec, &Player::new(me, seed))?;
     print(&figures::tables(&compared))
+}
+
+fn costs(options: &Costs) -> Result<(), String> {
+    if let Some(way) = &options.way {
+        let times = costs::play(&costs::Way::named(way)?, options.matches)?;
+        return print(&(serde_json::to_string(&times).map_err(|e| e.to_string())? + "\n"));
+    }
+    let me = std::env::current_exe().map_err(|e| e.to_string())?;
+    let measured = costs::measure(&me, options.matches)?;
+    if let Some(path) = &options.page {
+        std::fs::write(path, costs::html(&measured)).map_err(|e| format!("{}: {e}", path.display()))?;
+    }
+    print(&costs::tables(&measured))?;
+    if options.no_sizes { Ok(()) } else { print(&costs::size::table(&costs::size::measure()?)) }
 }
 
 /// Who reads may stop reading.
