@@ -1,7 +1,9 @@
 //! The command: plays a match, or makes the tables and the drawing of the README.
 
-use std::io::Write as _;
-use std::path::PathBuf;
+use std::error::Error;
+use std::fs::File;
+use std::io::{BufWriter, Write as _};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
@@ -45,8 +47,8 @@ struct Play {
     /// Answer violations of this property alone, as if no other were watched
     #[arg(long, value_name = "PROPERTY")]
     only: Option<String>,
-    /// Write what the robot's program said, as NDJSON for `lapwing check soccer.rv FILE`
-    #[arg(long, value_name = "FILE.ndjson")]
+    /// Write what the robot's program said, for `lapwing check soccer.rv FILE`: as MCAP by the name `.mcap`, else as NDJSON
+    #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
     /// Write a page that shows the match
     #[arg(long, value_name = "FILE.html")]
@@ -103,7 +105,11 @@ fn play(options: &Play) -> Result<(), String> {
     let write =
         |path: &PathBuf, text: String| std::fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()));
     if let Some(path) = &options.record {
-        write(path, watch::ndjson(&played.log, &spec.alone().spec))?;
+        let meaning = &spec.alone().spec;
+        match path.extension().is_some_and(|extension| extension == "mcap") {
+            true => write_mcap(path, &played.log, meaning).map_err(|e| format!("{}: {e}", path.display()))?,
+            false => write(path, watch::ndjson(&played.log, meaning))?,
+        }
     }
     if let Some(path) = &options.page {
         write(path, page::html(&played.account).map_err(|e| e.to_string())?)?;
@@ -112,6 +118,10 @@ fn play(options: &Play) -> Result<(), String> {
         true => print(&(serde_json::to_string(&played.account).map_err(|e| e.to_string())? + "\n")),
         false => print(&figures::told(&played.account)),
     }
+}
+
+fn write_mcap(path: &Path, log: &[watch::Entry], meaning: &lapwing_check::checked::Spec) -> Result<(), Box<dyn Error>> {
+    Ok(watch::mcap(log, meaning, BufWriter::new(File::create(path)?))?)
 }
 
 fn figures(seed: u64) -> Result<(), String> {

@@ -17,7 +17,7 @@ use crate::robot::Kicker;
 #[cfg(feature = "field")]
 pub use listener::Listener;
 #[cfg(feature = "field")]
-pub use log::{Entry, Log, What, ndjson};
+pub use log::{Entry, Line, Log, What, lines, mcap, ndjson};
 #[cfg(feature = "field")]
 pub use replay::{DIAGRAM, Happening, Judged, Replay, replay};
 pub use rescue::{Rescue, handlers};
