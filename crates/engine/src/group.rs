@@ -12,6 +12,7 @@ use crate::inputs::{Due, Inputs};
 use crate::looks::LookState;
 use crate::margin::Margins;
 use crate::outcome::{Alarm, Observer, Output};
+use crate::pack::packed;
 use crate::past::{Here, NOW};
 use crate::program::{Alphabet, At, Group, Judged};
 use crate::standing::GivenUp;
@@ -34,13 +35,13 @@ pub(crate) struct When {
 pub(crate) struct Core {
     /// The values of the slices; `None` stands for every value not seen so far.
     pub key: Vec<Option<Value>>,
-    /// Whether the slice's own event has had the value.
-    pub is_seen: Vec<bool>,
+    /// Whether the slices' own events have had all of them: it is an instance, and no template of instances to come.
+    pub is_instance: bool,
     pub walk: Walk,
     pub times: Times,
     pub graph: Graph,
-    pub trackers: Vec<TrackerState>,
-    pub(crate) looks: Vec<LookState>,
+    pub trackers: Box<[TrackerState]>,
+    pub(crate) looks: Box<[LookState]>,
     pub positions: u64,
     /// Whether positions at which nothing is due need only be counted from now on.
     rests: bool,
@@ -54,11 +55,15 @@ pub(crate) struct Core {
     pub margins: Option<Box<Margins>>,
 }
 
+packed!(Core { walk, times, graph, trackers, looks, positions, rests, idles, stepped, spoilt_by } without {
+    key, is_instance, margins
+});
+
 impl Core {
     pub fn new(plan: &Group, inputs: &Inputs, counters: usize) -> Core {
         Core {
             key: alloc::vec![None; plan.at.slices.len()],
-            is_seen: alloc::vec![false; plan.at.slices.len()],
+            is_instance: plan.at.slices.is_empty(),
             walk: Walk::new(&plan.at, inputs, counters),
             times: Times::default(),
             graph: Graph::new(&plan.contexts, &plan.futures),
@@ -78,11 +83,6 @@ impl Core {
         let view = self.walk.view(here(plan, inputs, 0, &self.key));
         (self.rests, self.idles) = (false, false);
         self.margins = Some(Box::new(Margins::new(&plan.margins, limit, view)));
-    }
-
-    /// Whether it is an instance, and no template of instances to come.
-    pub fn is_instance(&self) -> bool {
-        self.is_seen.iter().all(|seen| *seen)
     }
 
     /// Before when the group rests as long as no signal changes: its operators keep their values, and its positions need only be
@@ -230,7 +230,7 @@ impl Core {
         self.spoilt_by = self.walk.faults.len();
         let mut is_anew = false;
         for (state, tracker) in self.trackers.iter_mut().zip(&plan.trackers) {
-            if state.given_up.is_none() && self.walk.faults.iter().any(|op| tracker.ops.contains(op)) {
+            if state.given_up().is_none() && self.walk.faults.iter().any(|op| tracker.ops.contains(op)) {
                 state.give_up(GivenUp::Spoilt);
                 is_anew = true;
             }

@@ -58,12 +58,14 @@ impl Core {
         self.times.skip(missed);
         self.walk.last = Some(last);
         for (state, tracker) in self.trackers.iter_mut().zip(&plan.trackers) {
-            if tracker.at == At::All && self.graph.segments[tracker.context as usize].active && state.given_up.is_none()
+            if tracker.at == At::All
+                && self.graph.segments[tracker.context as usize].active
+                && state.given_up().is_none()
             {
                 state.met += missed;
             }
         }
-        for look in &mut self.looks {
+        for look in &mut *self.looks {
             look.counts[0] += if look.now { missed } else { 0 };
         }
     }

@@ -1,14 +1,21 @@
 //! The instances of a group, under `for each` over the values of events.
+//!
+//! Without slices there is one, and it stays as it is. With slices there may be thousands, of which an event concerns one or two: they lie
+//! packed on a shelf ([`mod@crate::pack`]), and the one that is stepped is unpacked into the bench that all share. What keeps much, such as a
+//! long window, is not packed but has a core of its own, for packing costs in proportion to what there is.
 
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use lapwing_stream::Value;
 use serde::{Deserialize, Serialize};
 
-use crate::automaton::Automaton;
+use crate::automaton::{Automaton, Place};
+use crate::earliest::Earliest;
 use crate::group::Core;
-use crate::index::Index;
 use crate::inputs::Inputs;
+use crate::keys::Keys;
+use crate::pack::{Pack, Packer, Unpacker};
 use crate::program::{Group, Positions};
 
 /// At most so many instances of a property under `for each` over values.
@@ -17,18 +24,34 @@ pub(crate) const INSTANCES: usize = 65_536;
 /// The instances of a group: one, or with slices one per value seen, beside the template of those to come.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Instances {
-    pub(crate) cores: Vec<Core>,
+    /// The only instance; with slices the bench, where they are stepped one at a time.
+    core: Core,
+    /// With slices, all of them.
+    shelf: Vec<Kept>,
+    keys: Keys,
+    deadlines: Earliest,
     /// Those that count as instances, in the order in which their values were seen.
-    pub(crate) seen: Vec<usize>,
+    seen: Vec<u32>,
     pub(crate) too_many: bool,
     /// The moves that all of them make.
     #[serde(skip)]
     pub(crate) automaton: Automaton,
+    /// Where each of those on the shelf stands in the automaton, as far as that is known.
     #[serde(skip)]
-    index: Index,
+    places: Vec<Place>,
+    #[serde(skip)]
+    packer: Packer,
     /// A buffer: those that the events of an instant concern.
     #[serde(skip)]
-    concerned: Vec<usize>,
+    concerned: Vec<u32>,
+}
+
+/// An instance on the shelf. Its key is kept apart.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+enum Kept {
+    Packed(Box<[u8]>),
+    /// It did not fit, and is not packed again.
+    Whole(Box<Core>),
 }
 
 /// The only instance of the only group, where that is all there is.
@@ -37,20 +60,41 @@ pub(crate) fn only<'a>(
     plans: &'a [Group],
     groups: &'a mut [Instances],
 ) -> Option<(&'a Group, &'a Automaton, &'a mut Core)> {
-    let ([plan], [Instances { cores, automaton, .. }]) = (plans, groups) else { return None };
-    let [core] = &mut cores[..] else { return None };
-    Some((plan, automaton, core))
+    let ([plan], [Instances { core, shelf, automaton, .. }]) = (plans, groups) else { return None };
+    shelf.is_empty().then_some((plan, automaton, core))
 }
 
 impl Instances {
     pub fn new(plan: &Group, inputs: &Inputs, counters: usize) -> Instances {
-        Instances {
-            cores: alloc::vec![Core::new(plan, inputs, counters)],
-            seen: if plan.at.slices.is_empty() { alloc::vec![0] } else { Vec::new() },
+        let mut new = Instances {
+            core: Core::new(plan, inputs, counters),
+            shelf: Vec::new(),
+            keys: Keys::new(plan.at.slices.len()),
+            deadlines: Earliest::default(),
+            seen: Vec::new(),
             too_many: false,
             automaton: Automaton::default(),
-            index: Index::default(),
+            places: Vec::new(),
+            packer: Packer::default(),
             concerned: Vec::new(),
+        };
+        if !plan.at.slices.is_empty() {
+            new.keys.add_template();
+            let mut bytes = Box::default();
+            let fits = new.packer.pack(&new.core, &mut bytes);
+            new.shelf.push(if fits { Kept::Packed(bytes) } else { Kept::Whole(Box::new(new.core.clone())) });
+        }
+        new
+    }
+
+    /// Calls with every instance, and every template.
+    #[inline]
+    pub fn for_each(&mut self, mut step: impl FnMut(&mut Core, &mut Automaton)) {
+        if self.shelf.is_empty() {
+            return step(&mut self.core, &mut self.automaton);
+        }
+        for number in 0..self.shelf.len() {
+            self.visit(number, &mut step);
         }
     }
 
@@ -62,31 +106,118 @@ impl Instances {
         inputs: &Inputs,
         mut step: impl FnMut(&mut Core, &mut Automaton),
     ) {
-        if at.slices.is_empty() || !self.find_concerned(at, inputs) {
-            return self.cores.iter_mut().for_each(|core| step(core, &mut self.automaton));
+        if self.shelf.is_empty() || !self.find_concerned(at, inputs) {
+            return self.for_each(step);
         }
-        for &number in &self.concerned {
-            if let Some(core) = self.cores.get_mut(number) {
-                step(core, &mut self.automaton);
+        for i in 0..self.concerned.len() {
+            self.visit(self.concerned[i] as usize, &mut step);
+        }
+    }
+
+    /// Calls with each instance that has a deadline up to `now`.
+    #[inline]
+    pub fn for_each_due(&mut self, now: i64, mut step: impl FnMut(&mut Core)) {
+        if self.shelf.is_empty() {
+            return step(&mut self.core);
+        }
+        let mut from = 0;
+        while let Some(number) = self.deadlines.next_until(from, now) {
+            self.visit(number, |core, _| step(core));
+            from = number + 1;
+        }
+    }
+
+    /// Calls with each instance that has this key: all, where none is given.
+    pub fn for_each_of(&mut self, key: Option<&[Value]>, mut step: impl FnMut(&mut Core)) {
+        let is_meant = |own: &[Option<Value>]| key.is_none_or(|wanted| own.iter().flatten().eq(wanted));
+        if self.shelf.is_empty() && is_meant(&[]) {
+            step(&mut self.core);
+        }
+        for number in 0..self.shelf.len() {
+            if is_meant(self.keys.of(number)) {
+                self.visit(number, |core, _| step(core));
             }
         }
+    }
+
+    /// Calls with the first: what depends on no events is the same in all of them.
+    pub fn first<R>(&mut self, step: impl FnOnce(&mut Core) -> R) -> R {
+        if self.shelf.is_empty() { step(&mut self.core) } else { self.visit(0, |core, _| step(core)) }
+    }
+
+    /// The key and the state of each that counts as an instance, in the order in which their values were seen.
+    pub fn look_at_each(&self, mut look: impl FnMut(&[Option<Value>], &Core)) {
+        if self.shelf.is_empty() {
+            return look(&[], &self.core);
+        }
+        let mut bench = self.core.clone();
+        for &number in &self.seen {
+            let core = match self.shelf.get(number as usize) {
+                Some(Kept::Packed(bytes)) => {
+                    bench.unpack(&mut Unpacker::new(bytes));
+                    &bench
+                }
+                Some(Kept::Whole(core)) => core,
+                None => continue,
+            };
+            look(self.keys.of(number as usize), core);
+        }
+    }
+
+    /// The next time at which a bound of any of them ends.
+    #[inline]
+    pub fn deadline(&self) -> Option<i64> {
+        if self.shelf.is_empty() { self.core.graph.deadline().map(|(at, _)| at) } else { self.deadlines.least() }
+    }
+
+    /// Calls with one on the shelf.
+    #[inline]
+    fn visit<R>(&mut self, number: usize, step: impl FnOnce(&mut Core, &mut Automaton) -> R) -> R {
+        let Instances { core: bench, shelf, keys, places, automaton, packer, deadlines, .. } = self;
+        let kept = &mut shelf[number];
+        let core = match kept {
+            Kept::Packed(bytes) => {
+                bench.unpack(&mut Unpacker::new(bytes));
+                bench.walk.place = places.get(number).copied().unwrap_or_default();
+                &mut *bench
+            }
+            Kept::Whole(core) => core,
+        };
+        core.is_instance = keys.are_seen(number);
+        keys.swap(number, &mut core.key);
+        let result = step(core, automaton);
+        keys.swap(number, &mut core.key);
+        deadlines.set(number, core.graph.deadline().map(|(at, _)| at));
+        if let Kept::Packed(bytes) = kept {
+            if places.len() <= number {
+                places.resize(number + 1, Place::default());
+            }
+            places[number] = bench.walk.place;
+            if bench.margins.is_some() || !packer.pack(bench, bytes) {
+                *kept = Kept::Whole(Box::new(bench.clone()));
+                bench.margins = None;
+            }
+        }
+        result
     }
 
     /// Finds those that see an event of this instant. Returns whether that may be fewer than all.
     #[inline(never)]
     fn find_concerned(&mut self, at: &Positions, inputs: &Inputs) -> bool {
         let (Some(slice), Some(alphabet)) = (at.slices.first(), &at.alphabet) else { return false };
-        let Instances { cores, index, concerned, .. } = self;
-        index.catch_up(cores);
+        let Instances { keys, concerned, .. } = self;
         concerned.clear();
-        concerned.extend(index.others());
         for event in alphabet.iter().filter_map(|&event| inputs.events.get(event).map(|state| (event, state))) {
             let (event, state) = event;
             let field = slice.hides.iter().find(|(hidden, _)| *hidden == event).map(|(_, field)| *field);
             for fields in state.iter() {
                 let value = field.and_then(|field| fields.get(field));
-                let Some(numbers) = value.and_then(|value| index.with(cores, value)) else { return false };
+                let Some(numbers) = value.and_then(|value| keys.with(value)) else { return false };
                 concerned.extend(numbers);
+                // A value that no instance has was one too many: it is one of those that the templates stand for.
+                if numbers.is_empty() {
+                    concerned.extend(keys.others());
+                }
             }
             if state.is_unclear {
                 return false;
@@ -117,42 +248,48 @@ impl Instances {
 
     /// The `i`-th slice's own event had the value.
     fn mark(&mut self, i: usize, value: &Value) {
-        let Instances { cores, seen, index, .. } = self;
-        index.catch_up(cores);
-        let mut mark = |number: usize, cores: &mut [Core]| {
-            let core = &mut cores[number];
-            if core.key[i].as_ref() == Some(value) && !core.is_seen[i] {
-                core.is_seen[i] = true;
-                if core.is_instance() {
-                    seen.push(number);
-                }
-            }
-        };
-        match index.with(cores, value).filter(|_| i == 0) {
-            Some(found) => found.iter().for_each(|&number| mark(number, cores)),
-            None => (0..cores.len()).for_each(|number| mark(number, cores)),
-        }
+        self.find(i, value);
+        let Instances { keys, seen, concerned, .. } = self;
+        seen.extend(concerned.iter().filter(|&&number| keys.mark(number as usize, i, value)));
     }
 
     /// Instances for a value of the `i`-th slice, unless there are some.
     fn make_for(&mut self, i: usize, value: &Value) {
-        self.index.catch_up(&self.cores);
-        let found = if i == 0 { self.index.with(&self.cores, value) } else { None };
-        let are_some = |core: &Core| core.key[i].as_ref() == Some(value);
-        if found.map_or_else(|| self.cores.iter().any(are_some), |found| !found.is_empty()) {
+        self.find(i, value);
+        if !self.concerned.is_empty() {
             return;
         }
-        let templates: Vec<_> = self.cores.iter().filter(|c| c.key[i].is_none()).cloned().collect();
-        for mut core in templates {
-            if self.cores.len() >= INSTANCES {
+        for template in 0..self.shelf.len() {
+            if !self.keys.is_template(template, i) {
+                continue;
+            }
+            if self.shelf.len() >= INSTANCES {
                 self.too_many = true;
                 return;
             }
-            core.key[i] = Some(value.clone());
-            if let Some(margins) = &mut core.margins {
-                margins.share(self.cores.len() + 1);
+            let number = self.shelf.len();
+            let mut kept = self.shelf[template].clone();
+            if let Kept::Whole(core) = &mut kept
+                && let Some(margins) = &mut core.margins
+            {
+                margins.share(number + 1);
             }
-            self.cores.push(core);
+            self.shelf.push(kept);
+            self.keys.add_like(template, i, value);
+            self.deadlines.set(number, self.deadlines.of(template));
+            let place = self.places.get(template).copied().unwrap_or_default();
+            self.places.resize(number, Place::default());
+            self.places.push(place);
+        }
+    }
+
+    /// Finds those with that value of the `i`-th slice.
+    fn find(&mut self, i: usize, value: &Value) {
+        let Instances { keys, shelf, concerned, .. } = self;
+        concerned.clear();
+        match keys.with(value).filter(|_| i == 0) {
+            Some(found) => concerned.extend(found),
+            None => concerned.extend((0..shelf.len() as u32).filter(|&number| keys.has(number as usize, i, value))),
         }
     }
 }

@@ -8,7 +8,7 @@ use lapwing_stream::{Time, Verdict};
 
 use crate::feed::Ending;
 use crate::group::Core;
-use crate::instances::{INSTANCES, Instances};
+use crate::instances::INSTANCES;
 use crate::margin::Measured;
 use crate::node::Notes;
 use crate::outcome::{Episode, Outcome};
@@ -32,9 +32,13 @@ impl Piece {
             _ if self.last.is_none() => blank("the trace has no message".to_string()),
             Judge::Machine(m) => alloc::vec![self.machine_outcome(program, number, m, ending)],
             Judge::Group(g) => {
-                let Instances { cores, seen, .. } = &self.groups[g];
-                let instances = seen.iter().map(|&i| &cores[i]);
-                instances.map(|core| self.core_outcome(program, number, &program.groups[g], core, ending)).collect()
+                let mut outcomes = Vec::new();
+                self.groups[g].look_at_each(|key, core| {
+                    let instance = key.iter().flatten().cloned().collect();
+                    let outcome = self.core_outcome(program, number, &program.groups[g], core, ending);
+                    outcomes.push(Outcome { instance, ..outcome });
+                });
+                outcomes
             }
         }
     }
@@ -64,7 +68,6 @@ impl Piece {
         let scopes = program.properties[number].scopes;
         let of_property = || plan.trackers.iter().zip(&core.trackers).filter(|(t, _)| t.property == number);
         let mut outcome = Outcome {
-            instance: core.key.iter().flatten().cloned().collect(),
             entered: core.entered(plan, number, scopes),
             positions: core.positions,
             nans: self.nans(program, number, &core.walk.notes),
@@ -86,7 +89,7 @@ impl Piece {
         outcome.episodes = sorted(outcome.episodes);
         let missed = outcome.unmet_since.is_some()
             || (core.positions == 0 && of_property().any(|(tracker, _)| tracker.missed_if_empty));
-        let is_given_up = |why| of_property().any(|(_, state)| state.given_up == Some(why));
+        let is_given_up = |why| of_property().any(|(_, state)| state.given_up() == Some(why));
         let is_spoilt = is_given_up(GivenUp::Spoilt);
         outcome.cause = self.cause(program, number, &plan.at, (&core.walk, is_spoilt), ending);
         if is_given_up(GivenUp::Overflowed) && outcome.cause.is_none() {

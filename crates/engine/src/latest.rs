@@ -1,8 +1,10 @@
 //! The memory of `once` and `since` whose bounds begin where they stand: when the operand of each held last.
 
-use alloc::vec::Vec;
+use alloc::boxed::Box;
 
 use serde::{Deserialize, Serialize};
+
+use crate::pack::packed;
 
 /// No stamp.
 pub(crate) const NEVER: i64 = i64::MIN;
@@ -12,15 +14,17 @@ pub(crate) const NEVER: i64 = i64::MIN;
 pub(crate) struct Latest {
     /// The latest stamp at which the operand held, [`NEVER`] for none. Where it still holds, the stamp is that of the position before,
     /// and is noted when it ceases to.
-    pub stamps: Vec<i64>,
+    pub stamps: Box<[i64]>,
     /// The operators whose operand held at the position before, sixty-four a word.
-    pub holding: Vec<u64>,
+    pub holding: Box<[u64]>,
 }
+
+packed!(Latest { stamps, holding });
 
 impl Latest {
     /// Nothing has held yet.
     pub fn new(ops: usize) -> Latest {
-        Latest { stamps: alloc::vec![NEVER; ops], holding: alloc::vec![0; ops.div_ceil(64).max(1)] }
+        Latest { stamps: alloc::vec![NEVER; ops].into(), holding: alloc::vec![0; ops.div_ceil(64).max(1)].into() }
     }
 
     /// The `i`-th operator forgets what has been.

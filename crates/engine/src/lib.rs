@@ -11,6 +11,7 @@
 //! 3. Each [`Group`](program::Group) of properties with the same positions walks on to the position, where the past operators that
 //!    are due are evaluated ([`walk`], [`past`]), then its graph of future operators ([`future`]), whose decisions end obligations
 //!    ([`tracker`]). A property with too many of them open is given up ([`overflow`]).
+//!    Of many instances of a group only those that see the event are unpacked and stepped ([`mod@instances`], [`pack`]).
 //! 4. Where it is asked for, margins are computed beside ([`mod@margin`]).
 //!
 //! The monitor of one property can start afresh ([`reset`](State::reset)).
@@ -28,16 +29,17 @@ extern crate alloc;
 pub mod program;
 
 mod automaton;
+mod earliest;
 pub mod feed;
 mod functions;
 mod future;
 mod group;
 mod idle;
-mod index;
 pub mod inputs;
 mod instances;
 mod intake;
 mod judge;
+mod keys;
 mod latest;
 mod looks;
 mod machine;
@@ -45,6 +47,7 @@ pub mod margin;
 mod node;
 pub mod outcome;
 mod overflow;
+mod pack;
 mod past;
 mod piece;
 mod reset;

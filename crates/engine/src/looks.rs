@@ -1,5 +1,6 @@
 //! How often scopes are entered, for vacuity: at which positions they are looked at, and what they see there.
 
+use alloc::boxed::Box;
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
@@ -7,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::future::{Decided, Segment};
 use crate::node::View;
+use crate::pack::packed;
 use crate::past::once;
 use crate::program::{Bound, Look, LookKind};
 use crate::runs::Runs;
@@ -32,12 +34,14 @@ pub(crate) struct LookState {
     #[serde(skip)]
     pub is_still: bool,
     /// Entries: inside the innermost context that awaits its X, inside the next, …, and last those that count.
-    pub counts: Vec<u64>,
+    pub counts: Box<[u64]>,
 }
+
+packed!(LookState { now, pending, before, queue, reached, asked, is_off, counts, is_still });
 
 impl LookState {
     pub fn new(look: &Look) -> LookState {
-        LookState { counts: alloc::vec![0; look.awaits.len() + 1], ..LookState::default() }
+        LookState { counts: alloc::vec![0; look.awaits.len() + 1].into(), ..LookState::default() }
     }
 
     /// How many runs of positions wait for the future formula.

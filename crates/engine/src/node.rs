@@ -2,12 +2,13 @@
 
 use core::cell::Cell;
 
-use alloc::vec::Vec;
+use alloc::boxed::Box;
 use lapwing_stream::{Duration, Value};
 use serde::{Deserialize, Serialize};
 
 use crate::functions::{compare, greatest, least, numeric};
 use crate::inputs::Inputs;
+use crate::pack::packed;
 use crate::program::{Arith, Bit, Compare, Func, Node, NodeId, Positions};
 
 /// What evaluation needs to see.
@@ -30,17 +31,19 @@ pub(crate) struct View<'a> {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Notes {
     /// How often a comparison met a NaN, by counter.
-    pub nans: Vec<Cell<u64>>,
+    pub nans: Box<[Cell<u64>]>,
     /// Whether one did at the latest instant.
     pub met_nan: Cell<bool>,
     /// Whether a value was of another kind than was needed.
     pub fault: Cell<bool>,
 }
 
+packed!(Notes { nans, met_nan, fault });
+
 impl Notes {
     /// Nothing to remark.
     pub fn new(counters: usize) -> Notes {
-        Notes { nans: alloc::vec![Cell::new(0); counters], ..Notes::default() }
+        Notes { nans: alloc::vec![Cell::new(0); counters].into(), ..Notes::default() }
     }
 }
 

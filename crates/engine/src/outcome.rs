@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::inputs::Inputs;
 
 /// Failed obligations of one segment and one conjunct at consecutive positions.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default, Serialize, Deserialize)]
 pub struct Episode {
     /// When the first of them to fail failed.
     pub failed: Time,

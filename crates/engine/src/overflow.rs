@@ -42,7 +42,7 @@ impl Core {
             plan.looks.iter().zip(&self.looks).any(|(look, state)| of_it(look) && state.runs() > most)
         };
         let is_judged = |&property: &usize| {
-            plan.trackers.iter().zip(&self.trackers).any(|(t, s)| t.property == property && s.given_up.is_none())
+            plan.trackers.iter().zip(&self.trackers).any(|(t, s)| t.property == property && s.given_up().is_none())
         };
         let properties = plan.properties().into_iter().filter(is_judged);
         properties.filter(|&p| open(p) > limit || looks(p) || (!large.is_empty() && keeps_large(p))).collect()
@@ -54,10 +54,13 @@ impl Core {
             .trackers
             .iter()
             .zip(&self.trackers)
-            .filter(|(_, state)| state.given_up.is_none())
+            .filter(|(_, state)| state.given_up().is_none())
             .map(|(tracker, _)| tracker.property)
             .collect();
-        self.graph.let_go(&plan.needed(|property| judged.contains(&property)));
+        if judged.len() == plan.trackers.len() {
+            return;
+        }
+        self.graph.let_go(&plan.futures, &plan.needed(|property| judged.contains(&property)));
         for (look, state) in plan.looks.iter().zip(&mut self.looks) {
             if look.counts.is_some_and(|(property, _)| !judged.contains(&property)) {
                 state.let_go();

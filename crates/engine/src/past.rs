@@ -1,6 +1,7 @@
 //! Operators with a memory: lookback, windows and the past temporal operators. Each keeps constant state or a queue that every
 //! position enters and leaves once, so that the cost of a step does not grow with a bound.
 
+use alloc::boxed::Box;
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
@@ -10,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::inputs::Inputs;
 use crate::latest::Latest;
 use crate::node::{Notes, View};
+use crate::pack::{Pack, Packer, Unpacker, packed};
 use crate::program::{Bit, Bound, NodeId, Op, Positions, Window};
 
 /// The memory of one operator.
@@ -66,16 +68,74 @@ impl Memory {
     }
 }
 
+/// What it is of, the program says.
+impl Pack for Memory {
+    fn pack(&self, to: &mut Packer) {
+        match self {
+            Memory::None => {}
+            Memory::Ring { values, at } => {
+                values.pack(to);
+                at.pack(to);
+            }
+            Memory::Before { value, stamp } => {
+                value.pack(to);
+                stamp.pack(to);
+            }
+            Memory::Last(last) => last.pack(to),
+            Memory::Held { pending, reached } => {
+                pending.pack(to);
+                reached.pack(to);
+            }
+            Memory::Since { since, broken } => {
+                since.pack(to);
+                broken.pack(to);
+            }
+            Memory::Window(values) => values.pack(to),
+            Memory::Stamps(stamps) => stamps.pack(to),
+        }
+    }
+
+    fn unpack(&mut self, from: &mut Unpacker<'_>) {
+        match self {
+            Memory::None => {}
+            Memory::Ring { values, at } => {
+                values.unpack(from);
+                at.unpack(from);
+            }
+            Memory::Before { value, stamp } => {
+                value.unpack(from);
+                stamp.unpack(from);
+            }
+            Memory::Last(last) => last.unpack(from),
+            Memory::Held { pending, reached } => {
+                pending.unpack(from);
+                reached.unpack(from);
+            }
+            Memory::Since { since, broken } => {
+                since.unpack(from);
+                broken.unpack(from);
+            }
+            Memory::Window(values) => values.unpack(from),
+            Memory::Stamps(stamps) => stamps.unpack(from),
+        }
+    }
+}
+
 /// The registers that the code fills: of each operator a truth value, sixty-four a word, or another value.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Registers {
-    pub bits: Vec<u64>,
-    pub values: Vec<Value>,
+    pub bits: Box<[u64]>,
+    pub values: Box<[Value]>,
 }
+
+packed!(Registers { bits, values });
 
 impl Registers {
     pub fn new(ops: usize) -> Registers {
-        Registers { bits: alloc::vec![0; ops.div_ceil(64).max(1)], values: alloc::vec![Value::Missing; ops] }
+        Registers {
+            bits: alloc::vec![0; ops.div_ceil(64).max(1)].into(),
+            values: alloc::vec![Value::Missing; ops].into(),
+        }
     }
 
     #[inline]

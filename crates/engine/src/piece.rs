@@ -78,7 +78,7 @@ impl Piece {
     /// Computes margins as well.
     pub(crate) fn measure(&mut self, program: &Program) {
         for (instances, plan) in self.groups.iter_mut().zip(&program.groups) {
-            instances.cores.iter_mut().for_each(|core| core.measure(plan, &self.inputs, program.margin_limit));
+            instances.for_each(|core, _| core.measure(plan, &self.inputs, program.margin_limit));
         }
     }
 
@@ -180,17 +180,14 @@ impl Piece {
             memory.advance(plan, i, &self.inputs, now, tell);
         }
         for (instances, plan) in self.groups.iter_mut().zip(&program.groups) {
-            for core in &mut instances.cores {
-                core.advance(plan, &self.inputs, now, tell);
-            }
+            instances.for_each_due(now, |core| core.advance(plan, &self.inputs, now, tell));
         }
     }
 
     fn next_bound(&self, program: &Program) -> Option<i64> {
         let machines = self.machines.iter().zip(&program.machines).enumerate();
         let machines = machines.filter_map(|(i, (memory, plan))| memory.deadline(plan, i, &self.inputs));
-        let cores = self.groups.iter().flat_map(|g| &g.cores).filter_map(|c| c.graph.deadline().map(|d| d.0));
-        machines.chain(cores).min()
+        machines.chain(self.groups.iter().filter_map(Instances::deadline)).min()
     }
 
     fn next_flip(&mut self, program: &Program) -> Option<i64> {
@@ -198,7 +195,7 @@ impl Piece {
         let machines = self.machines.iter_mut().zip(&program.machines);
         let machines = machines.filter_map(|(memory, plan)| memory.walk.next_flip(&plan.at, inputs));
         let groups = self.groups.iter_mut().zip(&program.groups).filter(|(_, plan)| !plan.at.ages.is_empty());
-        let groups = groups.filter_map(|(g, plan)| g.cores.first_mut()?.walk.next_flip(&plan.at, inputs));
+        let groups = groups.filter_map(|(g, plan)| g.first(|core| core.walk.next_flip(&plan.at, inputs)));
         machines.chain(groups).min()
     }
 
@@ -216,8 +213,7 @@ impl Piece {
             }
         }
         for (number, (instances, plan)) in self.groups.iter_mut().zip(&program.groups).enumerate() {
-            let Instances { cores, automaton, .. } = instances;
-            for core in cores {
+            instances.for_each(|core, automaton| {
                 if core.walk.next_flip(&plan.at, &self.inputs) == Some(at) {
                     core.walk.pass_flips(&plan.at, at);
                     if is_new {
@@ -226,7 +222,7 @@ impl Piece {
                         core.step_any((plan, automaton), &self.inputs, due, at, limit, tell);
                     }
                 }
-            }
+            });
         }
         self.inputs.end_instant();
     }
@@ -275,6 +271,9 @@ impl Piece {
         let when = When { now, number: self.instants, before: self.last_instant };
         for (number, (instances, plan)) in self.groups.iter_mut().zip(&program.groups).enumerate() {
             let due = core::mem::take(&mut self.inputs.due[number]);
+            if !plan.at.slices.is_empty() {
+                calm_until = NOW;
+            }
             instances.for_each_concerned(&plan.at, &self.inputs, |core, automaton| {
                 if due.ops != 0 || now >= core.rests_until() {
                     core.step((plan, automaton), &self.inputs, due, when, program.open_limit, tell);
@@ -299,10 +298,9 @@ impl Piece {
             Some(Judge::Group(group)) => {
                 let (plan, instants, last) = (&program.groups[group], self.instants, self.last_instant);
                 let is_alone = plan.trackers.iter().all(|t| t.property == property);
-                let is_meant = |core: &&mut Core| instance.is_none_or(|wanted| core.key.iter().flatten().eq(wanted));
                 if is_alone {
-                    let cores = self.groups[group].cores.iter_mut().filter(is_meant);
-                    cores.for_each(|core| core.start_afresh(plan, &self.inputs, instants, last));
+                    let start_afresh = |core: &mut Core| core.start_afresh(plan, &self.inputs, instants, last);
+                    self.groups[group].for_each_of(instance, start_afresh);
                     self.calm_until = NOW;
                 }
                 is_alone
@@ -329,13 +327,13 @@ impl Piece {
             (0..program.slots.len()).for_each(|slot| self.note_silence(program, Read::Slot(slot), last));
         }
         for (instances, plan) in self.groups.iter_mut().zip(&program.groups) {
-            for core in &mut instances.cores {
+            instances.for_each(|core, _| {
                 core.catch_up(plan, self.instants, self.last_instant);
                 core.end(plan, &self.inputs, last);
                 if tell.wants_margins() {
                     core.tell_late_margins(plan, last, tell);
                 }
-            }
+            });
         }
         (0..program.properties.len()).flat_map(|p| self.judge(program, p, ending)).collect()
     }

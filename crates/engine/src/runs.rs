@@ -4,6 +4,7 @@ use alloc::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
+use crate::pack::packed;
 use crate::times::Pos;
 
 /// A set of positions, as runs `(first, last)` in increasing order with gaps between them.
@@ -11,6 +12,8 @@ use crate::times::Pos;
 pub(crate) struct Runs {
     runs: VecDeque<(Pos, Pos)>,
 }
+
+packed!(Runs { runs });
 
 impl Runs {
     pub fn is_empty(&self) -> bool {

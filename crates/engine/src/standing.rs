@@ -49,8 +49,9 @@ impl Piece {
                 let (Some(instances), Some(plan)) = (self.groups.get(group), program.groups.get(group)) else {
                     return Standing::default();
                 };
-                let cores = instances.seen.iter().filter_map(|&core| instances.cores.get(core));
-                cores.map(|core| core.standing(plan, number, self.instants)).fold(Standing::default(), Standing::join)
+                let mut all = Standing::default();
+                instances.look_at_each(|_, core| all = all.join(core.standing(plan, number, self.instants)));
+                all
             }
         }
     }
@@ -64,11 +65,11 @@ impl Core {
         let mut standing = Standing { started: self.walk.started, ..Standing::default() };
         for (tracker, state) in trackers {
             let fails_at_rest = match (tracker.formula, tracker.at) {
-                (Judged::State(formula), At::All) => state.given_up.is_none() && !self.walk.registers.bit(formula),
+                (Judged::State(formula), At::All) => state.given_up().is_none() && !self.walk.registers.bit(formula),
                 _ => false,
             };
             standing.failed += state.failed + if fails_at_rest { rested } else { 0 };
-            standing.given_up = standing.given_up.or(state.given_up);
+            standing.given_up = standing.given_up.or(state.given_up());
         }
         standing
     }

@@ -4,6 +4,8 @@ use alloc::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
+use crate::pack::packed;
+
 /// A position of a property: 0, 1, 2, …
 pub(crate) type Pos = u64;
 
@@ -16,6 +18,8 @@ pub(crate) struct Times {
     first: Pos,
     stamps: VecDeque<i64>,
 }
+
+packed!(Times { first, stamps });
 
 impl Times {
     /// Adds the stamp of the next position and returns its number.

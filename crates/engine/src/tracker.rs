@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::future::{Decided, Segment};
 use crate::node::View;
 use crate::outcome::Episode;
+use crate::pack::packed;
 use crate::program::{At, Context, ContextKind, Judged, Tracker};
 use crate::runs::Runs;
 use crate::standing::GivenUp;
@@ -27,12 +28,15 @@ pub(crate) struct TrackerState {
     taken: Vec<(Pos, Pos)>,
     /// Episodes that are over.
     pub done: Vec<Episode>,
-    /// Why nothing is judged any more. Failures that were counted stand.
-    pub given_up: Option<GivenUp>,
+    /// Why nothing is judged any more, where that is so: see [`TrackerState::given_up`].
+    is_spoilt: bool,
+    is_overflowed: bool,
 }
 
+packed!(TrackerState { open, met, failed, unmet_since, live, done, is_spoilt, is_overflowed } without { taken });
+
 /// An episode in the making.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Live {
     from: Pos,
     to: Pos,
@@ -40,6 +44,8 @@ struct Live {
     first: Pos,
     episode: Episode,
 }
+
+packed!(Live { from, to, first, episode });
 
 impl TrackerState {
     /// Takes a new position in. Tells `begins` where the obligations began whose failures begin an episode.
@@ -53,7 +59,7 @@ impl TrackerState {
         times: &Times,
         mut begins: impl FnMut(Pos),
     ) {
-        if segment.active && self.given_up.is_none() && is_obliged(tracker, segment, view.now) {
+        if segment.active && self.given_up().is_none() && is_obliged(tracker, segment, view.now) {
             match tracker.formula {
                 Judged::State(formula) => {
                     if self.judge(view.bool(formula), n, view.now) {
@@ -73,7 +79,7 @@ impl TrackerState {
     /// An obligation that begins and ends at the newest position. Returns whether it failed and begins an episode.
     #[inline]
     pub fn judge(&mut self, holds: bool, n: Pos, now: i64) -> bool {
-        if self.given_up.is_some() {
+        if self.given_up().is_some() {
             return false;
         }
         let mut begins = false;
@@ -90,7 +96,7 @@ impl TrackerState {
 
     /// The same at the positions `from..=to`, the last with the stamp `last`, which fared as the one before them did.
     pub fn judge_rest(&mut self, holds: bool, (from, to): (Pos, Pos), last: i64) {
-        if self.given_up.is_some() {
+        if self.given_up().is_some() {
             return;
         }
         if holds {
@@ -185,9 +191,22 @@ impl TrackerState {
         self.unmet_since = None;
     }
 
+    /// Why nothing is judged any more. Failures that were counted stand.
+    #[inline]
+    pub fn given_up(&self) -> Option<GivenUp> {
+        match (self.is_spoilt, self.is_overflowed) {
+            (true, _) => Some(GivenUp::Spoilt),
+            (false, true) => Some(GivenUp::Overflowed),
+            (false, false) => None,
+        }
+    }
+
     /// What is open can no longer be judged, nor what comes.
     pub fn give_up(&mut self, why: GivenUp) {
-        self.given_up.get_or_insert(why);
+        match why {
+            GivenUp::Spoilt => self.is_spoilt = true,
+            GivenUp::Overflowed => self.is_overflowed = true,
+        }
         self.open.clear();
         self.seal_all();
     }

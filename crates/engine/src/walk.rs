@@ -3,6 +3,7 @@
 //! An operator is evaluated where one of its operands changed, where a bound of it runs out, and at the position after if it says so;
 //! everywhere else it keeps its value. So a position costs what changed at it, not what there is.
 
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use serde::{Deserialize, Serialize};
@@ -11,6 +12,7 @@ use crate::automaton::{Automaton, Move, Place, expired};
 use crate::inputs::Inputs;
 use crate::latest::Latest;
 use crate::node::{Notes, View};
+use crate::pack::packed;
 use crate::past::{self, Here, Memory, NOW, Registers, Scene};
 use crate::program::{Alphabet, Positions, Wiring, bits};
 
@@ -20,10 +22,10 @@ pub(crate) struct Walk {
     /// Whether position 0 has come.
     pub started: bool,
     /// For how many instants each read has been defined.
-    waited: Vec<usize>,
+    waited: Box<[usize]>,
     /// What the code has computed.
     pub registers: Registers,
-    memories: Vec<Memory>,
+    memories: Box<[Memory]>,
     latest: Latest,
     /// The stamp of the latest position.
     pub last: Option<i64>,
@@ -36,10 +38,12 @@ pub(crate) struct Walk {
     pub faults: Vec<usize>,
     /// Where it stands in the automaton that the operators are, where they are one.
     #[serde(skip)]
-    place: Place,
+    pub(crate) place: Place,
     /// For each comparison of an age: the message that its flips count from, and the next flip.
-    flips: Vec<(Option<i64>, usize)>,
+    flips: Box<[(Option<i64>, usize)]>,
 }
+
+packed!(Walk { started, waited, registers, memories, latest, last, again, alarm, notes, faults, flips } without { place });
 
 impl Walk {
     /// `inputs` are those before anything has come.
@@ -62,7 +66,7 @@ impl Walk {
     fn blank(at: &Positions, counters: usize) -> Walk {
         Walk {
             started: false,
-            waited: alloc::vec![0; at.reads.len()],
+            waited: alloc::vec![0; at.reads.len()].into(),
             registers: Registers::new(at.ops.len()),
             memories: at.ops.iter().map(Memory::new).collect(),
             latest: Latest::new(at.ops.len()),
@@ -72,7 +76,7 @@ impl Walk {
             notes: Notes::new(counters),
             faults: Vec::new(),
             place: Place::default(),
-            flips: alloc::vec![(None, 0); at.ages.len()],
+            flips: alloc::vec![(None, 0); at.ages.len()].into(),
         }
     }
 
@@ -270,7 +274,7 @@ impl Walk {
     /// Whether everything has been defined for long enough.
     fn is_ready(&mut self, at: &Positions, inputs: &Inputs) -> bool {
         let mut ready = true;
-        for ((read, depth), waited) in at.reads.iter().zip(&mut self.waited) {
+        for ((read, depth), waited) in at.reads.iter().zip(&mut *self.waited) {
             *waited += usize::from(inputs.defined(*read));
             ready &= *waited > *depth;
         }
@@ -290,7 +294,7 @@ impl Walk {
     /// The next time at which a comparison of an age changes its value.
     pub fn next_flip(&mut self, at: &Positions, inputs: &Inputs) -> Option<i64> {
         let mut next: Option<i64> = None;
-        for (age, (since, i)) in at.ages.iter().zip(&mut self.flips) {
+        for (age, (since, i)) in at.ages.iter().zip(&mut *self.flips) {
             let last = inputs.topics.get(age.topic).and_then(|t| t.last);
             if *since != last {
                 (*since, *i) = (last, 0);
@@ -305,7 +309,7 @@ impl Walk {
 
     /// The flips up to this time are over.
     pub fn pass_flips(&mut self, at: &Positions, until: i64) {
-        for (age, (since, i)) in at.ages.iter().zip(&mut self.flips) {
+        for (age, (since, i)) in at.ages.iter().zip(&mut *self.flips) {
             while let (Some(last), Some(after)) = (*since, age.after.get(*i)) {
                 if last.saturating_add(after.nanos()) > until {
                     break;

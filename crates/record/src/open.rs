@@ -15,6 +15,7 @@ use crate::format::ndjson::Ndjson;
 use crate::format::rosbag2::{self, Rosbag2};
 use crate::format::sqlite::{self, Sqlite};
 use crate::format::stream::Stream;
+use crate::format::told::{self, Told};
 use crate::format::{Format, Source};
 use crate::options::Limits;
 
@@ -65,7 +66,11 @@ pub(crate) fn open(path: &Path, library: &Library, limits: &Limits) -> Result<Op
     }
     let begins = |magic| rosbag2::begins_with(path, magic);
     if begins(mcap::MAGIC)? {
-        return Ok((Format::Mcap, Box::new(Mcap::open(path, path, library, limits)?)));
+        let mcap = Mcap::open(path, path, library, limits)?;
+        if told::is_told(&mcap) {
+            return text(Box::new(Told::new(Box::new(mcap))), path, about.len(), library, limits);
+        }
+        return Ok((Format::Mcap, Box::new(mcap)));
     }
     if begins(bag::MAGIC)? {
         return Ok((Format::Ros1Bag, Box::new(Bag::open(path, library, limits)?)));

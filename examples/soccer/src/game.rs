@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use lapwing_tracing::{BuildError, Monitor, Spec, SpecError};
+use lapwing_tracing::{BuildError, Monitor};
 use serde::{Deserialize, Serialize};
 use tracing_subscriber::layer::SubscriberExt;
 
@@ -10,6 +10,7 @@ use crate::fault::{self, Fault};
 use crate::field::{Field, Kickoff, Sketch};
 use crate::robot::{Kicker, Settings};
 use crate::watch::{Entry, Happening, Judged, Listener, Log, Rescue, What, handlers, replay};
+pub use crate::watch::{SPEC, spec};
 
 /// What is to be played.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -50,14 +51,6 @@ pub struct Account {
     pub goal: bool,
     /// The field, from time to time.
     pub sketches: Vec<Sketch>,
-}
-
-/// The text of the specification.
-pub const SPEC: &str = include_str!("../soccer.rv");
-
-/// The specification.
-pub fn spec() -> Result<Spec, SpecError> {
-    Spec::parse("soccer.rv", SPEC, &|_| None)
 }
 
 impl Game {
@@ -110,7 +103,7 @@ impl Game {
     }
 
     /// The ball lies nearly straight ahead, as the seed has it.
-    fn kickoff(&self) -> Kickoff {
+    pub fn kickoff(&self) -> Kickoff {
         let mut chance = lapwing_sim::Random::new(self.seed, "kickoff", 0);
         let ball = (chance.between(0.5, 0.7), chance.between(-1.5, 1.5));
         let goal = Settings::default().goal;

@@ -11,13 +11,17 @@ use soccer::game::SPEC;
 #[test]
 fn a_recording_gives_the_verdicts_of_the_match() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("run.ndjson");
-    for fault in std::iter::once(None).chain(Fault::ALL.map(Some)) {
+    let record = |name: &str, fault: Option<Fault>| {
+        let path = folder.path().join(name);
         let mut arguments = vec!["play", "--record", path.to_str().unwrap()];
         fault.into_iter().for_each(|fault| arguments.extend(["--fault", fault.name()]));
         soccer(&arguments);
+        checked("soccer.rv", SPEC, &path)
+    };
+    for fault in std::iter::once(None).chain(Fault::ALL.map(Some)) {
         let account = player(1).play(fault, None).unwrap();
-        let offline = checked("soccer.rv", SPEC, &path);
+        let offline = record("run.ndjson", fault);
+        assert_eq!(record("match.mcap", fault), offline, "{fault:?}: as MCAP and as NDJSON");
         assert_eq!(offline, account.rejudged, "{fault:?}: the log, read as a file and gone through once more");
         let verdicts =
             |all: &[soccer::watch::Judged]| all.iter().map(|j| (j.name.clone(), j.verdict.clone())).collect::<Vec<_>>();

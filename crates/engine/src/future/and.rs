@@ -6,10 +6,11 @@ use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
 use super::{Decided, Operand, Pass};
+use crate::pack::packed;
 use crate::times::Pos;
 
 /// Undecided positions that fare alike.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Run {
     from: Pos,
     to: Pos,
@@ -23,6 +24,9 @@ struct Run {
 pub(crate) struct State {
     open: VecDeque<Run>,
 }
+
+packed!(State { open });
+packed!(Run { from, to, left, right });
 
 impl State {
     pub fn runs(&self) -> usize {

@@ -9,6 +9,7 @@ use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
 use super::{Decided, Moment, Operand, Pass};
+use crate::pack::packed;
 use crate::program::Bit;
 use crate::runs::Runs;
 use crate::times::Pos;
@@ -22,6 +23,8 @@ pub(crate) struct State {
     /// The latest X.
     before: Pos,
 }
+
+packed!(State { open, asked, before });
 
 impl State {
     pub fn runs(&self) -> usize {

@@ -10,6 +10,7 @@ use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
 use super::{Decided, Moment, Operand, Pass, ends};
+use crate::pack::packed;
 use crate::program::{Bound, Future};
 use crate::runs::Runs;
 use crate::times::{Pos, Times};
@@ -22,6 +23,8 @@ pub(crate) struct State {
     /// For open positions before this one the bound is over.
     late: Pos,
 }
+
+packed!(State { open, unknown, late });
 
 impl State {
     pub fn runs(&self) -> usize {

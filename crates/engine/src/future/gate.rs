@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
 use super::{Decided, Moment, Operand, Pass};
+use crate::pack::packed;
 use crate::runs::Runs;
 
 /// Positions found false that wait for X.
@@ -12,6 +13,8 @@ use crate::runs::Runs;
 pub(crate) struct State {
     failed: Runs,
 }
+
+packed!(State { failed });
 
 impl State {
     pub fn runs(&self) -> usize {

@@ -21,11 +21,13 @@ mod segments;
 mod survey;
 mod until;
 
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use serde::{Deserialize, Serialize};
 
 use crate::node::View;
+use crate::pack::{Pack, Packer, Unpacker, packed};
 use crate::program::{Bound, Context, Future, FutureKind, FutureRef};
 use crate::times::{Pos, Times};
 
@@ -139,8 +141,6 @@ pub(crate) enum FutureState {
     Gate(gate::State),
     Replay(replay::State),
     Survey(survey::State),
-    /// What nobody asks for any more.
-    Off,
 }
 
 impl FutureState {
@@ -220,7 +220,7 @@ impl FutureState {
     /// How many runs of undecided positions it keeps.
     pub fn runs(&self) -> usize {
         match self {
-            FutureState::State | FutureState::Survey(_) | FutureState::Off => 0,
+            FutureState::State | FutureState::Survey(_) => 0,
             FutureState::And(s) => s.runs(),
             FutureState::Eventually(s) => s.runs(),
             FutureState::Next(s) => s.runs(),
@@ -230,6 +230,41 @@ impl FutureState {
             FutureState::Each(s) => s.runs(),
             FutureState::Gate(s) => s.runs(),
             FutureState::Replay(s) => s.runs(),
+        }
+    }
+}
+
+/// What it is of, the program says.
+impl Pack for FutureState {
+    fn pack(&self, to: &mut Packer) {
+        match self {
+            FutureState::State => {}
+            FutureState::And(state) => state.pack(to),
+            FutureState::Eventually(state) => state.pack(to),
+            FutureState::Next(state) => state.pack(to),
+            FutureState::Until(state) => state.pack(to),
+            FutureState::After(state) => state.pack(to),
+            FutureState::UntilScope(state) => state.pack(to),
+            FutureState::Each(state) => state.pack(to),
+            FutureState::Gate(state) => state.pack(to),
+            FutureState::Replay(state) => state.pack(to),
+            FutureState::Survey(state) => state.pack(to),
+        }
+    }
+
+    fn unpack(&mut self, from: &mut Unpacker<'_>) {
+        match self {
+            FutureState::State => {}
+            FutureState::And(state) => state.unpack(from),
+            FutureState::Eventually(state) => state.unpack(from),
+            FutureState::Next(state) => state.unpack(from),
+            FutureState::Until(state) => state.unpack(from),
+            FutureState::After(state) => state.unpack(from),
+            FutureState::UntilScope(state) => state.unpack(from),
+            FutureState::Each(state) => state.unpack(from),
+            FutureState::Gate(state) => state.unpack(from),
+            FutureState::Replay(state) => state.unpack(from),
+            FutureState::Survey(state) => state.unpack(from),
         }
     }
 }
@@ -250,12 +285,17 @@ impl Operand<'_> {
 /// The states of all contexts and nodes of a group.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Graph {
-    pub segments: Vec<Segment>,
-    nodes: Vec<FutureState>,
+    pub segments: Box<[Segment]>,
+    nodes: Box<[FutureState]>,
     /// What each node decided in the latest pass.
     pub decided: Vec<Vec<Decided>>,
     deadline: Option<(i64, bool)>,
+    /// The nodes that nobody asks for any more; nothing where there is none.
+    off: Vec<bool>,
 }
+
+// What was decided in a pass is not asked for after it.
+packed!(Graph { segments, nodes, deadline, off } without { decided });
 
 impl Graph {
     pub fn new(contexts: &[Context], futures: &[Future]) -> Graph {
@@ -264,6 +304,7 @@ impl Graph {
             nodes: futures.iter().map(|f| FutureState::new(&f.kind)).collect(),
             decided: futures.iter().map(|_| Vec::new()).collect(),
             deadline: None,
+            off: Vec::new(),
         }
     }
 
@@ -274,7 +315,9 @@ impl Graph {
             let (before, rest) = self.decided.split_at_mut(i);
             let out = &mut rest[0];
             out.clear();
-            state.step(node, &pass, before, out);
+            if self.off.get(i) != Some(&true) {
+                state.step(node, &pass, before, out);
+            }
         }
         self.deadline = self.nodes.iter().zip(futures).filter_map(|(s, n)| s.deadline(n, times)).min();
     }
@@ -317,10 +360,10 @@ impl Graph {
     }
 
     /// Lets go of the nodes that are not `needed`.
-    pub fn let_go(&mut self, needed: &[bool]) {
-        for ((node, decided), _) in self.nodes.iter_mut().zip(&mut self.decided).zip(needed).filter(|(_, n)| !**n) {
-            *node = FutureState::Off;
-            *decided = Vec::new();
+    pub fn let_go(&mut self, futures: &[Future], needed: &[bool]) {
+        self.off = needed.iter().map(|needed| !needed).collect();
+        for ((state, node), _) in self.nodes.iter_mut().zip(futures).zip(needed).filter(|(_, needed)| !**needed) {
+            *state = FutureState::new(&node.kind);
         }
     }
 }

@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
 use super::{Decided, Operand, Pass};
+use crate::pack::packed;
 use crate::runs::Runs;
 use crate::times::Pos;
 
@@ -13,6 +14,8 @@ use crate::times::Pos;
 pub(crate) struct State {
     open: Runs,
 }
+
+packed!(State { open });
 
 impl State {
     pub fn runs(&self) -> usize {

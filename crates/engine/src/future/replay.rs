@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::evaluate::{Answer, Asking, End, Segment};
 use super::{Decided, Moment, Pass};
+use crate::pack::packed;
 use crate::program::{Replay, Term};
 use crate::runs::Runs;
 use crate::times::Pos;
@@ -41,6 +42,8 @@ pub(crate) struct State {
     #[serde(skip)]
     answers: Vec<Cell<Answer>>,
 }
+
+packed!(State { first, stored, values, open, deadline, is_given_up } without { answers });
 
 impl State {
     pub fn runs(&self) -> usize {

@@ -6,6 +6,7 @@ use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
 use super::{Decided, Moment, Operand, Pass};
+use crate::pack::packed;
 use crate::program::Bit;
 use crate::runs::Runs;
 use crate::times::Pos;
@@ -17,6 +18,8 @@ pub(crate) struct AfterState {
     /// `(from, to, x)`, increasing.
     placed: VecDeque<(Pos, Pos, Pos)>,
 }
+
+packed!(AfterState { waiting, placed });
 
 impl AfterState {
     pub fn runs(&self) -> usize {
@@ -68,6 +71,8 @@ pub(crate) struct UntilState {
     unknown: Runs,
     waiting: Runs,
 }
+
+packed!(UntilState { unknown, waiting });
 
 impl UntilState {
     pub fn runs(&self) -> usize {

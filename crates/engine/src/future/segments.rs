@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::node::View;
+use crate::pack::packed;
 use crate::program::{Context, ContextKind};
 use crate::times::Pos;
 
@@ -25,6 +26,8 @@ pub(crate) struct Segment {
     /// Whether this context can have no further segment inside the current segment of its parent.
     pub spent: bool,
 }
+
+packed!(Segment { open, active, first, closes, closed_by_own, start, start_stamp, spent });
 
 /// Takes position `n` into all contexts, the outer before the inner. Returns whether any segment closed.
 pub(crate) fn step_segments(contexts: &[Context], segments: &mut [Segment], n: Pos, view: &View<'_>) -> bool {

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::evaluate::{Asking, End, First, Segment};
 use super::replay::{MOST_STORED, MOST_WORK};
 use super::{Moment, Pass};
+use crate::pack::packed;
 use crate::program::{Survey, Term};
 use crate::times::Pos;
 
@@ -24,6 +25,8 @@ pub(crate) struct State {
     /// How often each scope was entered, once that is known.
     entered: Option<Vec<u64>>,
 }
+
+packed!(State { stamps, values, is_partial, entered });
 
 impl State {
     /// How often each scope was entered, in the order of the text, where it could be counted.

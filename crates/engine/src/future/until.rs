@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
 use super::{Decided, Moment, Pass, ends};
+use crate::pack::packed;
 use crate::program::{Bit, Bound, Future};
 use crate::runs::Runs;
 use crate::times::{Pos, Times};
@@ -14,6 +15,8 @@ use crate::times::{Pos, Times};
 pub(crate) struct State {
     open: Runs,
 }
+
+packed!(State { open });
 
 impl State {
     pub fn runs(&self) -> usize {

@@ -12,7 +12,7 @@ impl Core {
     /// Tells the margins that are known at the present position.
     #[cold]
     pub(crate) fn tell_margins(&self, plan: &Group, now: i64, tell: &mut impl Observer) {
-        let Some(margins) = self.margins.as_ref().filter(|_| self.is_instance()) else { return };
+        let Some(margins) = self.margins.as_ref().filter(|_| self.is_instance) else { return };
         for (plan, meter) in plan.margins.iter().zip(&margins.meters).filter(|(plan, _)| !plan.least.is_empty()) {
             let least = plan.least.iter().fold(f64::NAN, |least, reg| least.min(meter.registers[*reg as usize]));
             tell.margin(plan.property, &self.key, Time(now), least);
@@ -21,7 +21,7 @@ impl Core {
 
     /// The trace is over: tells the margins that depended on what came later, position by position.
     pub(crate) fn tell_late_margins(&self, plan: &Group, last: i64, tell: &mut impl Observer) {
-        let Some(margins) = self.margins.as_ref().filter(|_| self.is_instance()) else { return };
+        let Some(margins) = self.margins.as_ref().filter(|_| self.is_instance) else { return };
         for (plan, meter) in plan.margins.iter().zip(&margins.meters) {
             for (stamp, margin) in margins.stamps.iter().zip(meter.late(plan, margins, last)) {
                 tell.margin(plan.property, &self.key, Time(*stamp), margin);

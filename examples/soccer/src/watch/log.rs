@@ -1,7 +1,9 @@
-//! The log of a match: what the robot's program said, in order, and what was violated meanwhile. It can be written as NDJSON, which
-//! `lapwing check` reads.
+//! The log of a match: what the robot's program said, in order, and what was violated meanwhile. It can be written as NDJSON or as
+//! MCAP, both of which `lapwing check` reads.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::io::{Seek, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use lapwing_check::checked::{self, EventSource, PointKind};
@@ -61,27 +63,75 @@ impl What {
     }
 }
 
-/// The log as NDJSON: fields are signals, calls and returns are the events that the specification declares, and what was violated meanwhile is an
-/// event `violated`, which no specification reads.
+/// What is written of an entry.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Line {
+    /// Signals got values: a JSON object of them.
+    Values(String),
+    /// An event, and a JSON object of its fields.
+    Event(String, String),
+}
+
+/// What is written of a log, with the times: fields are signals, calls and returns are the events that the specification declares, and what was violated
+/// meanwhile is an event `violated`, which no specification reads.
+pub fn lines<'a>(entries: &'a [Entry], spec: &'a checked::Spec) -> impl Iterator<Item = (i64, Line)> + 'a {
+    entries.iter().flat_map(move |Entry { time, what }| {
+        let own = match what {
+            What::Set(fields) => {
+                let values: Vec<String> =
+                    fields.iter().map(|(name, value)| format!("\"{name}\":{}", json(value))).collect();
+                Some(Line::Values(format!("{{{}}}", values.join(","))))
+            }
+            What::Violation(property) => {
+                Some(Line::Event("violated".to_owned(), format!("{{\"property\":\"{property}\"}}")))
+            }
+            What::Call(_) | What::Return(..) => None,
+        };
+        let events = what.events(spec).map(|(event, result)| {
+            let name = spec.events.get(event).map_or("", |e| e.name.as_str());
+            let result = result.map(|result| format!("\"result\":{result}")).unwrap_or_default();
+            Line::Event(name.to_owned(), format!("{{{result}}}"))
+        });
+        own.into_iter().chain(events).map(|line| (*time, line))
+    })
+}
+
+/// The log as NDJSON.
 pub fn ndjson(entries: &[Entry], spec: &checked::Spec) -> String {
     let mut text = String::new();
-    for Entry { time, what } in entries {
+    for (time, line) in lines(entries, spec) {
         // Writing to a text does not fail.
-        if let What::Set(fields) = what {
-            let values: Vec<String> =
-                fields.iter().map(|(name, value)| format!("\"{name}\":{}", json(value))).collect();
-            let _ = writeln!(text, "{{\"t_ns\":{time},\"values\":{{{}}}}}", values.join(","));
-        }
-        if let What::Violation(property) = what {
-            let _ = writeln!(text, "{{\"t_ns\":{time},\"event\":\"violated\",\"property\":\"{property}\"}}");
-        }
-        for (event, result) in what.events(spec) {
-            let name = spec.events.get(event).map_or("", |e| e.name.as_str());
-            let result = result.map(|result| format!(",\"result\":{result}")).unwrap_or_default();
-            let _ = writeln!(text, "{{\"t_ns\":{time},\"event\":\"{name}\"{result}}}");
-        }
+        let _ = match line {
+            Line::Values(values) => writeln!(text, "{{\"t_ns\":{time},\"values\":{values}}}"),
+            Line::Event(name, fields) if fields == "{}" => writeln!(text, "{{\"t_ns\":{time},\"event\":\"{name}\"}}"),
+            Line::Event(name, fields) => writeln!(text, "{{\"t_ns\":{time},\"event\":\"{name}\",{}", &fields[1..]),
+        };
     }
     text
+}
+
+/// The log as MCAP: what NDJSON has as lines are messages of JSON, on the topics that `lapwing check` reads as such, and that viewers can plot.
+pub fn mcap(entries: &[Entry], spec: &checked::Spec, to: impl Write + Seek) -> mcap::McapResult<()> {
+    let mut writer = mcap::WriteOptions::new().library("soccer").create(to)?;
+    let mut channels: BTreeMap<String, u16> = BTreeMap::new();
+    for (sequence, (time, line)) in (0_u32..).zip(lines(entries, spec)) {
+        let (topic, data) = match line {
+            Line::Values(values) => ("/lapwing/rows".to_owned(), values),
+            Line::Event(name, fields) => (format!("/lapwing/events/{name}"), fields),
+        };
+        let channel_id = match channels.get(&topic) {
+            Some(known) => *known,
+            None => {
+                let schema = writer.add_schema(&topic, "jsonschema", b"{\"type\":\"object\"}")?;
+                let added = writer.add_channel(schema, &topic, "json", &BTreeMap::new())?;
+                *channels.entry(topic).or_insert(added)
+            }
+        };
+        let log_time = time.unsigned_abs();
+        let header = mcap::records::MessageHeader { channel_id, sequence, log_time, publish_time: log_time };
+        writer.write_to_known_channel(&header, data.as_bytes())?;
+    }
+    writer.finish().map(|_| ())
 }
 
 /// A value as Lapwing reads it: JSON, and the words for what is no number or infinite.

@@ -1,0 +1,178 @@
+//! What an instance under `for each` over values takes: few bytes, and nothing of the events of others.
+
+mod support;
+
+use std::ops::Range;
+
+use allocation_counter::measure;
+use lapwing_check::checked::Step;
+use lapwing_check::{TraceShape, check, compile::compile, load};
+use lapwing_diag::SourceMap;
+use lapwing_engine::{Ending, Outcome, Program, State};
+use lapwing_stream::{Sample, Time, Value, What};
+
+/// When it begins.
+const START: i64 = 1_700_000_000_000_000_000;
+
+/// The six properties of the soccer robot, for each of many.
+const SOCCER: &str = "
+property init over (ready, play): for each r of play.robot: ltl([](play => <*> ready))
+property front_until_kick over (turned, lost, kick): for each r of turned.robot: ltl([](turned => o(! lost U kick)))
+property close_at_kick over (kick, close): for each r of kick.robot: ltl([](kick => (*) close))
+property always_ir over (blind, play): for each r of play.robot: ltl([] ! blind)
+property goes_until_in_range over (dribble, turned, arrive): for each r of dribble.robot: \
+    ltl([](dribble => o((dribble or turned) U arrive)))
+property kicks over (kicking, kick, over): for each r of over.robot: ltl([](over => (<*> kicking and <*> kick)))
+";
+
+const EVENTS: [&str; 11] =
+    ["ready", "play", "turned", "lost", "kick", "close", "blind", "dribble", "arrive", "kicking", "over"];
+
+/// What one robot does: nothing is violated.
+const MATCH: [&str; 20] = [
+    "ready", "play", "turned", "close", "kick", "dribble", "turned", "dribble", "arrive", "close", "kick", "kicking",
+    "over", "ready", "play", "dribble", "arrive", "turned", "close", "kick",
+];
+
+/// A program, and the numbers of its events.
+struct Many {
+    program: Program,
+    /// The names of the events and of the fields that are read of them.
+    names: Vec<(String, Vec<String>)>,
+}
+
+impl Many {
+    fn of(text: &str) -> Many {
+        let declared: String = EVENTS.iter().map(|event| format!("event {event}\n")).collect();
+        let text = format!("{declared}{text}");
+        let mut sources = SourceMap::default();
+        let file = sources.add("test.rv", &*text);
+        let loaded = load(&mut sources, lapwing_syntax::parse(file, &text).file, &|_| None);
+        let events = EVENTS.map(String::from).to_vec();
+        let checked = check(&sources, &loaded, Some(&TraceShape { schemaless: true, events, ..TraceShape::default() }));
+        assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
+        let first = |path: &[Step]| {
+            path.first().map_or(String::new(), |step| match step {
+                Step::Field(name) => name.to_string(),
+                _ => String::new(),
+            })
+        };
+        let names = checked
+            .spec
+            .events
+            .iter()
+            .map(|event| (event.name.clone(), event.fields.iter().map(|field| first(&field.path)).collect()))
+            .collect();
+        Many { program: compile(&checked.spec), names }
+    }
+
+    /// An event with these fields, if anything reads it.
+    fn tell(&self, state: &mut State, at: i64, name: &str, fields: &[(&str, Value)]) {
+        let Some(event) = self.names.iter().position(|(known, _)| known == name) else { return };
+        let value = |name: &String| fields.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone()).unwrap_or_default();
+        let values: Vec<Value> = self.names[event].1.iter().map(value).collect();
+        state.feed(&self.program, Sample { time: Time(at), what: What::Event { event, values: &values } }, &mut ());
+        state.next_deadline(&self.program);
+    }
+
+    /// Each of the robots plays a match, step by step.
+    fn play(&self, state: &mut State, start: i64, robots: Range<u32>) {
+        for (step, name) in MATCH.iter().enumerate() {
+            for robot in robots.clone() {
+                self.tell(
+                    state,
+                    start + step as i64 * 1_000_000_000 + i64::from(robot) * 1_000,
+                    name,
+                    &[("robot", f64::from(robot).into())],
+                );
+            }
+        }
+    }
+}
+
+/// What an instance takes, after each has played.
+fn bytes_an_instance(text: &str, robots: u32) -> i64 {
+    let many = Many::of(text);
+    let mut state = State::new(&many.program);
+    many.play(&mut state, START, 0..1);
+    let taken = measure(|| many.play(&mut state, START + 60_000_000_000, 1..robots + 1)).bytes_current;
+    let outcomes: Vec<Outcome> = state.finish(&many.program, &Ending::default(), &mut ());
+    for outcome in &outcomes {
+        assert!(outcome.failed == 0 && outcome.cause.is_none() && outcome.positions > 1, "{outcome:?}");
+    }
+    let instances = outcomes.len() as i64;
+    assert_eq!(instances, many.program.properties.len() as i64 * (i64::from(robots) + 1));
+    taken / (instances - many.program.properties.len() as i64)
+}
+
+#[test]
+fn a_thousand_robots_take_less_than_three_hundred_bytes_a_property_each() {
+    let all = bytes_an_instance(SOCCER, 1_000);
+    assert!(all < 300, "{all} bytes an instance");
+    for property in SOCCER.trim().split("\nproperty ").map(|text| text.trim_start_matches("property ")) {
+        let bytes = bytes_an_instance(&format!("property {property}\n"), 1_000);
+        assert!(bytes < 300, "{bytes} bytes an instance: {property}");
+    }
+}
+
+/// Formulas over two events with a field; some keep more than can be packed.
+const FORMULAS: [&str; 8] = [
+    "always (play implies once ready)",
+    "always (play implies ready.power < 5 or once within 3 s ready)",
+    "always (ready implies eventually within 2 s play)",
+    "always (ready implies next (ready or play))",
+    "always (play implies count(ready, 1000 s) < 60)",
+    "always (ready implies ready.power <= max_over(ready.power, 1000 s) or @{ready.word, -3} == \"a word\")",
+    "after_until ready and ready.power > 4, play, always ready.word != \"b\"",
+    "ltl([] (ready => (ready.power > 2 or play) U play))",
+];
+
+/// What robots do by chance: when, what, and with which power and word.
+fn chances() -> Vec<(i64, &'static str, u32, [Value; 2])> {
+    let mut next = support::chance(7);
+    let mut clock = support::clock(7);
+    let one = |_| {
+        let word = ["a word", "b", "a word that is longer than others"][next() as usize % 3];
+        let values = [Value::Num((next() % 8) as f64), Value::from(word)];
+        (clock() * 100, ["ready", "play"][next() as usize % 2], next() as u32 % 4, values)
+    };
+    (0..1500).map(one).collect()
+}
+
+/// The outcomes of a text; where one robot is named, only what it does counts. Saved and resumed now and then.
+fn outcomes(text: &str, only: Option<u32>) -> Vec<Outcome> {
+    let many = Many::of(text);
+    let mut state = State::new(&many.program);
+    for (n, (at, name, robot, values)) in chances().into_iter().enumerate() {
+        if only.is_none_or(|only| only == robot) {
+            many.tell(
+                &mut state,
+                at,
+                name,
+                &[("robot", f64::from(robot).into()), ("power", values[0].clone()), ("word", values[1].clone())],
+            );
+        }
+        if n % 50 == 49 {
+            state = State::resume(&many.program, &state.save(&many.program)).unwrap_or_else(|e| panic!("{e}"));
+        }
+    }
+    let last = chances().last().map_or(0, |last| last.0);
+    state.feed(&many.program, Sample { time: Time(last), what: What::Other }, &mut ());
+    state.finish(&many.program, &Ending::default(), &mut ())
+}
+
+#[test]
+fn an_instance_fares_as_if_there_were_no_others() {
+    for formula in FORMULAS {
+        let together =
+            outcomes(&format!("property all over (ready, play): for each r of ready.robot: {formula}\n"), None);
+        assert_eq!(together.len(), 4, "{formula}");
+        assert!(together.iter().any(|outcome| outcome.positions > 300), "{formula}");
+        for mut outcome in together {
+            let [Value::Num(robot)] = outcome.instance[..] else { panic!("{outcome:?}") };
+            outcome.instance.clear();
+            let alone = outcomes(&format!("property all over (ready, play): {formula}\n"), Some(robot as u32));
+            assert_eq!(alone, [outcome], "{formula}");
+        }
+    }
+}
