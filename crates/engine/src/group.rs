@@ -6,14 +6,14 @@ use alloc::vec::Vec;
 use lapwing_stream::{Time, Value};
 use serde::{Deserialize, Serialize};
 
-use crate::automaton::{Automaton, Move};
+use crate::automaton::Automaton;
 use crate::future::{Graph, Moment, step_segments};
 use crate::inputs::{Due, Inputs};
 use crate::looks::LookState;
 use crate::margin::Margins;
 use crate::outcome::{Observer, Output};
 use crate::past::{Here, NOW};
-use crate::program::{Alphabet, At, Group, Judged};
+use crate::program::{At, Group, Judged};
 use crate::times::Times;
 use crate::tracker::{TrackerState, is_obliged};
 use crate::walk::Walk;
@@ -134,36 +134,59 @@ impl Core {
         limit: usize,
         tell: &mut impl Observer,
     ) {
-        if !self.rests {
+        if self.rests {
+            self.step_at_rest((plan, automaton), inputs, due, when, tell);
+        } else {
             if self.idles {
                 self.make_up_idle(plan, when.number, when.before);
             }
             self.stepped = when.number + 1;
             self.step_any((plan, automaton), inputs, due.ops, when.now, limit, tell);
-        } else if let Some(alphabet) = plan.alphabet()
-            && let Some(known) = self.known_move((automaton, alphabet), due.letter, when)
-        {
-            self.follow(plan, inputs, known, when, tell);
-        } else {
-            self.step_resting((plan, automaton), inputs, due.ops, when, tell);
         }
     }
 
-    /// For a group that rests: the automaton's move for an instant, where all that it takes is one that is known.
+    /// Whether positions at which nothing is due need only be counted.
+    #[inline(always)]
+    pub fn rests(&self) -> bool {
+        self.rests
+    }
+
+    /// An instant of a group that rests. Gives what [`Core::rests_until`] says then.
+    #[inline(always)]
+    pub fn step_at_rest(
+        &mut self,
+        (plan, automaton): (&Group, &mut Automaton),
+        inputs: &Inputs,
+        due: Due,
+        when: When,
+        tell: &mut impl Observer,
+    ) -> i64 {
+        let is_quiet = when.now < self.walk.quiet_until()
+            || plan.alphabet().is_some_and(|alphabet| self.walk.is_quiet(alphabet, when.now, when.before));
+        if is_quiet && let Some(until) = self.glide((plan, automaton), inputs, due.letter, when, tell) {
+            return until;
+        }
+        self.step_resting((plan, automaton), inputs, due.ops, when, tell);
+        self.walk.quiet_until()
+    }
+
+    /// An instant of a group that rests, at which nothing is due but what signals make so, where all that it takes is a move of the automaton
+    /// that is known. Gives what [`Core::rests_until`] says then; else nothing has happened.
     // PERF: the way of most properties of robots, and of nearly all of their instants, without what only others need.
     #[inline(always)]
-    pub fn known_move<'a>(&mut self, moves: (&'a Automaton, &Alphabet), letter: u32, when: When) -> Option<&'a Move> {
-        if self.rests { self.walk.known_move(moves, letter, when.now, when.before) } else { None }
-    }
-
-    /// An instant at which the automaton makes that move. Gives what [`Core::rests_until`] says then.
-    #[inline(always)]
-    pub fn follow(&mut self, plan: &Group, inputs: &Inputs, known: &Move, when: When, tell: &mut impl Observer) -> i64 {
-        let (old, word) = self.walk.follow(known, when.before);
-        if (old ^ word) & plan.verdicts != 0 {
-            self.turn(plan, inputs, when, old, tell);
+    pub fn glide(
+        &mut self,
+        (plan, automaton): (&Group, &Automaton),
+        inputs: &Inputs,
+        letter: u32,
+        When { now, number, before }: When,
+        tell: &mut impl Observer,
+    ) -> Option<i64> {
+        let glided = self.walk.glide(automaton, letter, now, before)?;
+        if (glided.from ^ glided.to) & plan.verdicts != 0 {
+            self.turn(plan, inputs, When { now, number, before }, glided.from, tell);
         }
-        self.walk.quiet_until()
+        Some(glided.quiet_until)
     }
 
     #[inline(never)]
@@ -186,7 +209,7 @@ impl Core {
 
     /// A position at which a verdict changes; until it the registers' `word` held.
     #[inline(never)]
-    fn turn(&mut self, plan: &Group, inputs: &Inputs, when: When, word: u64, tell: &mut impl Observer) {
+    pub fn turn(&mut self, plan: &Group, inputs: &Inputs, when: When, word: u64, tell: &mut impl Observer) {
         self.make_up_until(plan, when.number, when.before, word);
         self.stepped = when.number + 1;
         self.positions += 1;

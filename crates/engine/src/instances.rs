@@ -36,7 +36,7 @@ pub(crate) struct Instances {
 pub(crate) fn only<'a>(
     plans: &'a [Group],
     groups: &'a mut [Instances],
-) -> Option<(&'a Group, &'a Automaton, &'a mut Core)> {
+) -> Option<(&'a Group, &'a mut Automaton, &'a mut Core)> {
     let ([plan], [Instances { cores, automaton, .. }]) = (plans, groups) else { return None };
     let [core] = &mut cores[..] else { return None };
     Some((plan, automaton, core))

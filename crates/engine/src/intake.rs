@@ -17,6 +17,7 @@ impl Piece {
             }
             What::Row { cells } => {
                 self.inputs.set_row(program, cells);
+                self.note_row(program, cells);
                 if self.minds_slots {
                     self.hear(program, cells, sample.time.0);
                 }

@@ -228,10 +228,29 @@ pub(crate) fn step(
     if let Some(known) = quick((i, op), latest, &scene.here, scene.before, &mut alarm, |of| of.of(bits)) {
         return (known, alarm);
     }
-    slow((i, op), memory, scene, bits, values)
+    let known = delayed(op, memory, scene.here.now, |of| of.of(bits));
+    known.unwrap_or_else(|| slow((i, op), memory, scene, bits, values))
 }
 
-/// Evaluates an operator that is not [`quick`]; returns what [`step`] does.
+/// Evaluates `once` and `since` with any bound; returns what [`step`] does.
+#[inline]
+pub(crate) fn delayed(op: &Op, memory: &mut Memory, now: i64, get: impl Fn(Bit) -> bool) -> Option<(bool, i64)> {
+    match (op, memory) {
+        (Op::Once(bound, of), Memory::Held { pending, reached }) => {
+            Some(within(bound, get(*of), now, pending, reached))
+        }
+        (Op::Since(bound, left, right), Memory::Held { pending, reached }) => {
+            if !get(*left) {
+                pending.clear();
+                *reached = None;
+            }
+            Some(within(bound, get(*right), now, pending, reached))
+        }
+        _ => None,
+    }
+}
+
+/// Evaluates an operator that is neither [`quick`] nor [`delayed`]; returns what [`step`] does.
 #[inline]
 pub(crate) fn slow(
     (i, op): (usize, &Op),
@@ -261,16 +280,6 @@ pub(crate) fn slow(
             let becomes = holds && !core::mem::replace(last, holds);
             *last = holds;
             (becomes, if becomes { NOW } else { i64::MAX })
-        }
-        (Op::Once(bound, of), Memory::Held { pending, reached }) => {
-            within(bound, of.of(bits), scene.here.now, pending, reached)
-        }
-        (Op::Since(bound, left, right), Memory::Held { pending, reached }) => {
-            if !left.of(bits) {
-                pending.clear();
-                *reached = None;
-            }
-            within(bound, right.of(bits), scene.here.now, pending, reached)
         }
         (Op::Held(duration, of), Memory::Since { since, broken }) => {
             if of.of(bits) {

@@ -13,6 +13,7 @@ use crate::machine::MachineMemory;
 use crate::outcome::{Observer, Outcome, Output};
 use crate::past::NOW;
 use crate::program::{Clock, Judge, Program, Read};
+use crate::skim::Row;
 use crate::world::ObjectMemory;
 
 /// At most so many instants of a rate between two samples; a longer silence starts everything anew, as a jump back does.
@@ -27,9 +28,9 @@ pub(crate) struct Piece {
     pub(crate) objects: Vec<ObjectMemory>,
     /// The first sample that was read.
     pub(crate) t0: Option<i64>,
-    /// The last sample of any kind, [`i64::MIN`] before the first, and the last that the timeout let through.
+    /// The last sample of any kind, [`i64::MIN`] before the first, and the last that the timeout let through, where it let others not.
     pub(crate) newest: i64,
-    pub(crate) last: Option<i64>,
+    cut: Option<i64>,
     /// The last instant that all share, [`i64::MIN`] before the first.
     pub(crate) last_instant: i64,
     /// The next instant of a rate.
@@ -61,7 +62,7 @@ impl Piece {
             objects: alloc::vec![ObjectMemory::default(); program.objects.len()],
             t0: None,
             newest: i64::MIN,
-            last: None,
+            cut: None,
             last_instant: i64::MIN,
             tick: 0,
             instants: 0,
@@ -82,6 +83,17 @@ impl Piece {
         }
     }
 
+    /// The last sample that the timeout let through.
+    pub(crate) fn last(&self) -> Option<i64> {
+        self.cut.or((self.newest != i64::MIN).then_some(self.newest))
+    }
+
+    /// A sample comes that the timeout does not let through.
+    pub(crate) fn time_out(&mut self, now: i64) {
+        self.cut = self.last();
+        self.newest = now;
+    }
+
     #[inline]
     pub(crate) fn is_timed_out(&self, program: &Program, now: i64) -> bool {
         match (program.timeout, self.t0) {
@@ -94,7 +106,7 @@ impl Piece {
     #[inline]
     pub(crate) fn is_absurd(&self, program: &Program, now: i64) -> bool {
         let Clock::Rate(rate) = program.clock else { return false };
-        match (self.last, self.t0) {
+        match (self.last(), self.t0) {
             (Some(last), Some(_)) => (i128::from(now) - i128::from(last)) * i128::from(rate) > TICKS * 1_000_000_000,
             _ => false,
         }
@@ -122,7 +134,6 @@ impl Piece {
     pub(crate) fn take(&mut self, program: &Program, sample: Sample<'_>, tell: &mut impl Observer) {
         let now = sample.time.0;
         self.newest = now;
-        self.last = Some(now);
         if !matches!(sample.what, What::Other) {
             self.t0.get_or_insert(now);
             self.take_in(program, sample);
@@ -237,10 +248,7 @@ impl Piece {
         // PERF: most instants of most recordings change nothing that matters; where all rest they cost no more than this.
         let wakes = self.inputs.woken || now >= self.calm_until;
         if wakes {
-            let letter = self.inputs.due.first().map_or(0, |due| due.letter);
-            if self.glide(program, now, letter, tell) {
-                self.inputs.settle();
-            } else {
+            if !self.step_alone(program, now, tell) {
                 self.step(program, now, tell);
             }
         }
@@ -251,15 +259,16 @@ impl Piece {
         wakes
     }
 
-    /// An instant of the only group of a program without machines, where all that it takes is a move of the automaton that is known. Returns
-    /// whether that was so; else nothing has happened. Before the move the signals take in what makes the letter.
+    /// An instant of the only group of a program without machines, where it rests. Returns whether that was so; else nothing has happened.
     #[inline(always)]
-    pub(crate) fn glide(&mut self, program: &Program, now: i64, letter: u32, tell: &mut impl Observer) -> bool {
+    fn step_alone(&mut self, program: &Program, now: i64, tell: &mut impl Observer) -> bool {
         let Some((plan, automaton, core)) = only(&program.groups, &mut self.groups) else { return false };
-        let (Some(alphabet), []) = (plan.alphabet(), &self.machines[..]) else { return false };
+        if !core.rests() || !self.machines.is_empty() {
+            return false;
+        }
+        let due = self.inputs.settle();
         let when = When { now, number: self.instants, before: self.last_instant };
-        let Some(known) = core.known_move((automaton, alphabet), letter, when) else { return false };
-        self.calm_until = core.follow(plan, &self.inputs, known, when, tell);
+        self.calm_until = core.step_at_rest((plan, automaton), &self.inputs, due, when, tell);
         true
     }
 
@@ -303,7 +312,7 @@ impl Piece {
                 if is_alone {
                     let cores = self.groups[group].cores.iter_mut().filter(is_meant);
                     cores.for_each(|core| core.start_afresh(plan, &self.inputs, instants, last));
-                    self.calm_until = NOW;
+                    (self.calm_until, self.inputs.row) = (NOW, Row::NONE);
                 }
                 is_alone
             }
@@ -317,7 +326,7 @@ impl Piece {
 
     /// The outcome of every property.
     pub(crate) fn finish(&mut self, program: &Program, ending: &Ending, tell: &mut impl Observer) -> Vec<Outcome> {
-        let last = self.last.unwrap_or_default();
+        let last = self.last().unwrap_or_default();
         while let Some(tick) = self.next_tick(program).filter(|&tick| tick <= last) {
             self.tick(program, tick, tell);
         }

@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 
 use serde::{Deserialize, Serialize};
 
-use crate::automaton::{Automaton, Move, Place, expired};
+use crate::automaton::{Automaton, Place, expired};
 use crate::inputs::Inputs;
 use crate::latest::Latest;
 use crate::node::{Notes, View};
@@ -39,6 +39,15 @@ pub(crate) struct Walk {
     place: Place,
     /// For each comparison of an age: the message that its flips count from, and the next flip.
     flips: Vec<(Option<i64>, usize)>,
+}
+
+/// A move that was made.
+pub(crate) struct Glide {
+    /// The word of all registers before it, and after.
+    pub from: u64,
+    pub to: u64,
+    /// Before when nothing is due as long as no signal changes.
+    pub quiet_until: i64,
 }
 
 impl Walk {
@@ -124,38 +133,33 @@ impl Walk {
         self.last = Some(here.now);
     }
 
-    /// The automaton's move for a position, where it is known and there is nothing else to do.
-    ///
-    /// The position before is the instant before, at `before`.
-    // PERF: the signals of most logical formulas are truth values, and most of their moves have been made before.
-    #[inline(always)]
-    pub fn known_move<'a>(
-        &mut self,
-        (automaton, alphabet): (&'a Automaton, &Alphabet),
-        letter: u32,
-        now: i64,
-        before: i64,
-    ) -> Option<&'a Move> {
-        if self.again != 0 || now.wrapping_sub(before).cast_unsigned() > alphabet.shortest {
-            return None;
-        }
-        if now >= self.alarm {
+    /// Whether nothing is due at a position but what signals make so. The position before is at `before`.
+    #[inline]
+    pub fn is_quiet(&mut self, alphabet: &Alphabet, now: i64, before: i64) -> bool {
+        if self.again == 0 && now >= self.alarm {
             let (over, next) = expired(alphabet, &self.latest, (now, before));
-            if over != 0 {
-                return None;
+            if over == 0 {
+                self.alarm = next;
             }
-            self.alarm = next;
         }
-        automaton.known(self.place, letter)
+        now < self.quiet_until()
     }
 
-    /// Makes a move that is known. Gives the word of all registers before it and after.
+    /// Makes the automaton's move for a position at which nothing is due but what makes the letter, where it is known and no bound has run out.
+    /// Else nothing has happened.
+    // PERF: the signals of most logical formulas are truth values, and most of their moves have been made before.
     #[inline(always)]
-    pub fn follow(&mut self, known: &Move, before: i64) -> (u64, u64) {
+    pub fn glide(&mut self, automaton: &Automaton, letter: u32, now: i64, before: i64) -> Option<Glide> {
         let Walk { place, latest, alarm, registers, .. } = self;
-        known.leave_marks(latest, before, alarm);
-        *place = known.to;
-        (core::mem::replace(&mut registers.bits[0], known.word), known.word)
+        let known = automaton.known(*place, letter)?;
+        let quiet_until = known.alarm(before, *alarm);
+        if now >= quiet_until {
+            return None;
+        }
+        known.leave_marks(latest, before);
+        (*alarm, *place) = (quiet_until, known.to);
+        let from = core::mem::replace(&mut registers.bits[0], known.word);
+        Some(Glide { from, to: known.word, quiet_until })
     }
 
     /// Runs what is due. All truth values are in one word.
@@ -190,15 +194,17 @@ impl Walk {
         (old, leaves): (u64, u64),
     ) -> u64 {
         let letter = alphabet.letter(old ^ leaves);
-        if let Some(known) = self.known_move((automaton, alphabet), letter, here.now, before) {
-            return self.follow(known, before).1;
+        if self.is_quiet(alphabet, here.now, before)
+            && let Some(glided) = self.glide(automaton, letter, here.now, before)
+        {
+            return glided.to;
         }
         let Walk { place, latest, alarm, .. } = self;
         let (over, next) = expired(alphabet, latest, (here.now, before));
         *alarm = next;
         let made = automaton.make(alphabet, &here.at.ops, latest, (old, leaves), over);
-        made.leave_marks(latest, before, alarm);
-        *place = made.to;
+        made.leave_marks(latest, before);
+        (*alarm, *place) = (made.alarm(before, *alarm), made.to);
         made.word
     }
 
@@ -230,9 +236,12 @@ impl Walk {
     /// Evaluates an operator that is not quick.
     #[inline(never)]
     fn step(&mut self, i: usize, word: u64, here: Here<'_>) -> (bool, i64) {
+        let (op, memory) = (&here.at.ops[i], &mut self.memories[i]);
+        if let Some(known) = past::delayed(op, memory, here.now, |of| of.in_word(word)) {
+            return known;
+        }
         let scene = Scene { here, before: self.last, notes: &self.notes };
-        let op = (i, &here.at.ops[i]);
-        let stepped = past::slow(op, &mut self.memories[i], &scene, &[word], &mut self.registers.values);
+        let stepped = past::slow((i, op), memory, &scene, &[word], &mut self.registers.values);
         note_fault(&self.notes, &mut self.faults, i);
         stepped
     }

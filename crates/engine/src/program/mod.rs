@@ -4,11 +4,13 @@ mod asked;
 mod code;
 mod cuts;
 mod formula;
+mod skim;
 mod wiring;
 
 pub use code::*;
 pub use cuts::Cut;
 pub use formula::*;
+pub use skim::Skim;
 pub use wiring::*;
 
 use alloc::string::String;
@@ -40,10 +42,9 @@ pub struct Program {
     pub topics: Vec<Topic>,
     /// Which cell of a row fills which slot.
     pub columns: Vec<Column>,
-    /// For each column the letter that it makes, where all of the program is one automaton over rows of truth values; else there are none.
-    /// [`Program::link`] fills it.
+    /// How rows of truth values are taken in at a glance, where that is possible. [`Program::link`] fills it.
     #[serde(skip)]
-    pub letters: Vec<u32>,
+    pub skim: Option<Skim>,
     /// The objects of the ground truth.
     pub objects: Vec<Object>,
     /// The events.

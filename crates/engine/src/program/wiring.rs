@@ -3,10 +3,10 @@
 use alloc::vec::Vec;
 
 use crate::latest::over;
-use crate::skim::Row;
 
 use super::cuts::{Cut, cuts};
-use super::{At, Clock, Column, Group, Judged, Node, NodeId, Op, Positions, Program, Slot, Tracker};
+use super::skim::Skim;
+use super::{At, Group, Judged, Node, NodeId, Op, Positions, Program, Slot, Tracker};
 
 /// So many operators have a bit each. Where there are more, all of them run at every position.
 const BITS: usize = u64::BITS as usize;
@@ -38,8 +38,6 @@ pub struct Alphabet {
     pub timed: u64,
     /// For each operator the distance at which its bound has run out, in nanoseconds; [`u64::MAX`] for never.
     pub over: Vec<u64>,
-    /// The shortest of the bounds: between positions that lie no further apart none runs out unheard.
-    pub shortest: u64,
 }
 
 impl Alphabet {
@@ -108,26 +106,7 @@ impl Program {
             group.verdicts = if group.rests { group.verdicts() } else { 0 };
         }
         self.slots.iter_mut().for_each(|slot| slot.cuts.sort_by(|a, b| a.at.total_cmp(&b.at)));
-        self.letters = self.letters().unwrap_or_default();
-    }
-
-    /// The letters of the columns, where each toggles bits of one automaton's letters and nothing else.
-    fn letters(&self) -> Option<Vec<u32>> {
-        let [group] = &self.groups[..] else { return None };
-        let waits = self.clock != Clock::Events || self.timeout.is_some() || !self.machines.is_empty();
-        let minds = self.counts_values() || self.properties.iter().any(|property| !property.stale.is_empty());
-        if waits || minds || !group.rests || group.alphabet().is_none() || self.columns.len() > Row::COLUMNS as usize {
-            return None;
-        }
-        let mut slots: Vec<usize> = self.columns.iter().map(|column| column.slot).collect();
-        slots.sort_unstable();
-        slots.dedup();
-        let letter = |column: &Column| match &self.slots.get(column.slot)?.wakes[..] {
-            [] => Some(0),
-            [wake] => Some(wake.letter).filter(|letter| *letter != Wake::NO_LETTER),
-            _ => None,
-        };
-        if slots.len() == self.columns.len() { self.columns.iter().map(letter).collect() } else { None }
+        self.skim = Skim::of(self);
     }
 
     /// Whether something asks how often a signal got a value.
@@ -202,7 +181,7 @@ fn alphabet(at: &Positions, wiring: &Wiring) -> Option<Alphabet> {
     }
     let places = alloc::vec![0; at.ops.len()];
     let overs = alloc::vec![u64::MAX; at.ops.len()];
-    let mut alphabet = Alphabet { width, shortest: u64::MAX, places, over: overs, timed: wiring.timed };
+    let mut alphabet = Alphabet { width, places, over: overs, timed: wiring.timed };
     let mut next = 1;
     for (i, op) in at.ops.iter().enumerate() {
         match op {
@@ -213,7 +192,6 @@ fn alphabet(at: &Positions, wiring: &Wiring) -> Option<Alphabet> {
             Op::And(..) | Op::Iff(..) => {}
             Op::OnceWithin(most, _) | Op::SinceWithin(most, ..) => {
                 alphabet.over[i] = over(*most);
-                alphabet.shortest = alphabet.shortest.min(over(*most) - 1);
             }
             _ => return None,
         }
