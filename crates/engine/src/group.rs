@@ -114,6 +114,7 @@ impl Core {
         if missed == 0 {
             return;
         }
+        self.walk.pass_over(last);
         let from = self.positions;
         self.positions += missed;
         for (state, tracker) in self.trackers.iter_mut().zip(&plan.trackers) {
@@ -136,12 +137,33 @@ impl Core {
     ) {
         if self.rests {
             self.step_at_rest((plan, automaton), inputs, due, when, tell);
+        } else if self.idles {
+            self.step_idle((plan, automaton), inputs, due.ops, when, limit, tell);
         } else {
-            if self.idles {
-                self.make_up_idle(plan, when.number, when.before);
-            }
             self.stepped = when.number + 1;
             self.step_any((plan, automaton), inputs, due.ops, when.now, limit, tell);
+        }
+    }
+
+    /// An instant of a group that idles: where what was due comes to what it was, it does so on.
+    #[inline(never)]
+    fn step_idle(
+        &mut self,
+        (plan, automaton): (&Group, &mut Automaton),
+        inputs: &Inputs,
+        due: u64,
+        when: When,
+        limit: usize,
+        tell: &mut impl Observer,
+    ) {
+        let word = self.walk.word();
+        self.walk.pass_over(when.before);
+        self.walk.run(automaton, here(plan, inputs, when.now, &self.key), due);
+        if self.walk.word() != word || self.spoilt_by != self.walk.faults.len() {
+            self.make_up_idle(plan, when.number, when.before);
+            self.stepped = when.number + 1;
+            self.spoil(plan);
+            self.take_position(plan, inputs, when.now, Some(word), limit, tell);
         }
     }
 
@@ -199,7 +221,7 @@ impl Core {
         tell: &mut impl Observer,
     ) {
         let word = self.walk.word();
-        self.walk.last = Some(when.before);
+        self.walk.pass_over(when.before);
         self.walk.run(automaton, here(plan, inputs, when.now, &[]), due);
         let is_same = (word ^ self.walk.word()) & plan.verdicts == 0;
         if !is_same || self.spoilt_by != self.walk.faults.len() {
@@ -237,9 +259,22 @@ impl Core {
                 self.tell_margins(plan, now, tell);
             }
         }
-        if !is_position {
-            return;
+        if is_position {
+            self.take_position(plan, inputs, now, before, limit, tell);
         }
+    }
+
+    /// A position whose operators have been evaluated; before it the registers' word was `before`.
+    #[inline]
+    fn take_position(
+        &mut self,
+        plan: &Group,
+        inputs: &Inputs,
+        now: i64,
+        before: Option<u64>,
+        limit: usize,
+        tell: &mut impl Observer,
+    ) {
         self.positions += 1;
         if self.overflowed {
             return;

@@ -178,7 +178,10 @@ impl Inputs {
         match (&mut *to, value) {
             (Value::Num(to), Value::Num(from)) => {
                 let was = core::mem::replace(to, *from);
-                if !self.bands.get(slot).is_some_and(|band| band.holds(*from)) {
+                if plan.cuts.is_empty() && !was.is_nan() && !from.is_nan() {
+                    self.woken |= !plan.every.is_empty();
+                    wake(&mut self.due, &plan.every, 0);
+                } else if !self.bands.get(slot).is_some_and(|band| band.holds(*from)) {
                     self.cross(plan, slot, was, *from);
                 }
             }
@@ -237,9 +240,11 @@ impl Inputs {
         }
     }
 
-    /// A message came, or an event occurred: at the end of the instant there is something to end.
-    pub(crate) fn stir(&mut self) {
+    /// A message came: at the end of the instant there is something to end.
+    pub(crate) fn stir(&mut self, wakes: &[Wake]) {
         self.stirred = true;
+        self.woken |= !wakes.is_empty();
+        wake(&mut self.due, wakes, 0);
     }
 
     /// An event occurred.

@@ -40,12 +40,17 @@ pub(crate) struct Piece {
     quiet_until: i64,
     /// Whether anything ever does.
     is_timed: bool,
-    /// Before this time all groups rest, as long as nothing wakes one.
+    /// Before this time all groups rest, as long as nothing wakes one; and for each group before when it does.
     pub(crate) calm_until: i64,
+    calm: Vec<i64>,
+    /// Whether events make instances of a group.
+    pub(crate) is_sliced: bool,
     /// Per property: which of its silences was too long, from when to when.
     pub(crate) stale: Vec<Option<(usize, i64, i64)>>,
-    /// Whether a property minds the silence of a signal that comes in rows, and when each slot last got a value.
+    /// Whether a property minds the silence of a signal that comes in rows, and when each slot last got a value; for each topic whether one minds
+    /// its silence.
     pub(crate) minds_slots: bool,
+    pub(crate) minds_topics: Vec<bool>,
     pub(crate) heard: Vec<Option<i64>>,
     /// Per topic: messages in all, and those that no instant saw.
     pub(crate) messages: Vec<(u64, u64)>,
@@ -68,9 +73,12 @@ impl Piece {
             instants: 0,
             quiet_until: if is_timed(program) { i64::MIN } else { i64::MAX },
             calm_until: NOW,
+            calm: alloc::vec![NOW; program.groups.len()],
+            is_sliced: program.groups.iter().any(|group| !group.at.slices.is_empty()),
             is_timed: is_timed(program),
             stale: alloc::vec![None; program.properties.len()],
             minds_slots: program.properties.iter().flat_map(|p| &p.stale).any(|s| matches!(s.of, Read::Slot(_))),
+            minds_topics: (0..program.topics.len()).map(|topic| minds(program, Read::Topic(topic))).collect(),
             heard: alloc::vec![None; program.slots.len()],
             messages: alloc::vec![(0, 0); program.topics.len()],
         }
@@ -134,15 +142,13 @@ impl Piece {
     pub(crate) fn take(&mut self, program: &Program, sample: Sample<'_>, tell: &mut impl Observer) {
         let now = sample.time.0;
         self.newest = now;
+        let mut waits = false;
         if !matches!(sample.what, What::Other) {
             self.t0.get_or_insert(now);
             self.take_in(program, sample);
-            // Nothing that could happen by itself has changed where nothing was stepped.
-            if program.clock == Clock::Events && !self.instant(program, now, tell) && now < self.quiet_until {
-                return;
-            }
+            waits = program.clock != Clock::Events || self.instant(program, now, tell);
         }
-        if self.is_timed {
+        if self.is_timed && (waits || now >= self.quiet_until) {
             self.quiet_until = self.look_ahead(program);
         }
     }
@@ -232,6 +238,7 @@ impl Piece {
                 if core.walk.next_flip(&plan.at, &self.inputs) == Some(at) {
                     core.walk.pass_flips(&plan.at, at);
                     if is_new {
+                        core.catch_up(plan, self.instants, self.last_instant);
                         core.advance(plan, &self.inputs, at, tell);
                         let (due, limit) = (self.inputs.due[number].ops, program.open_limit);
                         core.step_any((plan, automaton), &self.inputs, due, at, limit, tell);
@@ -239,59 +246,72 @@ impl Piece {
                 }
             }
         }
+        self.disturb();
         self.inputs.end_instant();
     }
 
-    /// An instant that all share. Returns whether anything was stepped at it.
+    /// Nobody knows any more until when groups rest.
+    fn disturb(&mut self) {
+        self.calm_until = NOW;
+        self.calm.fill(NOW);
+    }
+
+    /// An instant that all share. Returns whether what happens next by itself may be something else now.
     #[inline]
     fn instant(&mut self, program: &Program, now: i64, tell: &mut impl Observer) -> bool {
+        let mut waits = false;
         // PERF: most instants of most recordings change nothing that matters; where all rest they cost no more than this.
-        let wakes = self.inputs.woken || now >= self.calm_until;
-        if wakes {
-            if !self.step_alone(program, now, tell) {
-                self.step(program, now, tell);
-            }
+        if self.inputs.woken || now >= self.calm_until {
+            waits = self.step_alone(program, now, tell).unwrap_or_else(|| self.step(program, now, tell));
         }
         self.instants += 1;
         self.last_instant = now;
         tell.output(&self.inputs, Output::Instant(Time(now)));
         self.inputs.end_instant();
-        wakes
+        waits
     }
 
-    /// An instant of the only group of a program without machines, where it rests. Returns whether that was so; else nothing has happened.
+    /// An instant of the only group of a program without machines, where it rests: whether it waits for anything. Else nothing has happened.
     #[inline(always)]
-    fn step_alone(&mut self, program: &Program, now: i64, tell: &mut impl Observer) -> bool {
-        let Some((plan, automaton, core)) = only(&program.groups, &mut self.groups) else { return false };
+    fn step_alone(&mut self, program: &Program, now: i64, tell: &mut impl Observer) -> Option<bool> {
+        let (plan, automaton, core) = only(&program.groups, &mut self.groups)?;
         if !core.rests() || !self.machines.is_empty() {
-            return false;
+            return None;
         }
         let due = self.inputs.settle();
         let when = When { now, number: self.instants, before: self.last_instant };
         self.calm_until = core.step_at_rest((plan, automaton), &self.inputs, due, when, tell);
-        true
+        Some(plan.waits())
     }
 
-    /// The machines and the groups take an instant in, but for those that rest.
+    /// The machines and the groups take an instant in, but for those that rest. Returns whether one of those that did waits for anything.
     #[inline(never)]
-    fn step(&mut self, program: &Program, now: i64, tell: &mut impl Observer) {
+    fn step(&mut self, program: &Program, now: i64, tell: &mut impl Observer) -> bool {
         let mut calm_until = i64::MAX;
-        if !self.machines.is_empty() {
+        let mut waits = !self.machines.is_empty();
+        if waits {
             self.step_machines(program, now, tell);
             calm_until = NOW;
         }
         self.inputs.woken = false;
         let when = When { now, number: self.instants, before: self.last_instant };
-        for (number, (instances, plan)) in self.groups.iter_mut().zip(&program.groups).enumerate() {
+        let groups = self.groups.iter_mut().zip(&program.groups).zip(&mut self.calm).enumerate();
+        for (number, ((instances, plan), calm)) in groups {
             let due = core::mem::take(&mut self.inputs.due[number]);
-            instances.for_each_concerned(&plan.at, &self.inputs, |core, automaton| {
-                if due.ops != 0 || now >= core.rests_until() {
-                    core.step((plan, automaton), &self.inputs, due, when, program.open_limit, tell);
-                }
-                calm_until = calm_until.min(core.rests_until());
-            });
+            if due.ops != 0 || now >= *calm {
+                *calm = i64::MAX;
+                instances.for_each_concerned(&plan.at, &self.inputs, |core, automaton| {
+                    if due.ops != 0 || now >= core.rests_until() {
+                        core.step((plan, automaton), &self.inputs, due, when, program.open_limit, tell);
+                    }
+                    *calm = (*calm).min(core.rests_until());
+                });
+                waits |= plan.waits();
+            }
+            calm_until = calm_until.min(*calm);
         }
         self.calm_until = calm_until;
+        waits
     }
 
     #[inline(never)]
@@ -312,7 +332,8 @@ impl Piece {
                 if is_alone {
                     let cores = self.groups[group].cores.iter_mut().filter(is_meant);
                     cores.for_each(|core| core.start_afresh(plan, &self.inputs, instants, last));
-                    (self.calm_until, self.inputs.row) = (NOW, Row::NONE);
+                    self.disturb();
+                    self.inputs.row = Row::NONE;
                 }
                 is_alone
             }
@@ -348,6 +369,11 @@ impl Piece {
         }
         (0..program.properties.len()).flat_map(|p| self.judge(program, p, ending)).collect()
     }
+}
+
+/// Whether a property minds a silence.
+fn minds(program: &Program, of: Read) -> bool {
+    program.properties.iter().flat_map(|property| &property.stale).any(|silence| silence.of == of)
 }
 
 /// Whether anything in a program happens by the mere passing of time.

@@ -11,7 +11,7 @@ use crate::automaton::{Automaton, Place, expired};
 use crate::inputs::Inputs;
 use crate::latest::Latest;
 use crate::node::{Notes, View};
-use crate::past::{self, Here, Memory, NOW, Registers, Scene};
+use crate::past::{self, Here, Memory, NOW, Registers, Scene, Stepped};
 use crate::program::{Alphabet, Positions, Wiring, bits};
 
 /// Where a machine or a group stands in its positions.
@@ -218,14 +218,15 @@ impl Walk {
             due &= due - 1;
             let quick =
                 past::quick((i, &ops[i]), &mut self.latest, &here, self.last, &mut alarm, |of| of.in_word(word));
-            let bit = quick.unwrap_or_else(|| {
-                let (bit, next) = self.step(i, word, here);
+            let (bit, has_moved) = quick.map(|bit| (bit, false)).unwrap_or_else(|| {
+                let Stepped { holds, next, has_moved } = self.step(i, word, here);
                 self.again |= u64::from(next == NOW) << i;
                 alarm = if next == NOW { alarm } else { alarm.min(next) };
-                bit
+                (holds, has_moved)
             });
-            if ((word >> i) & 1 == 1) != bit {
-                word ^= 1 << i;
+            let is_other = ((word >> i) & 1 == 1) != bit;
+            word ^= u64::from(is_other) << i;
+            if is_other | has_moved {
                 due |= follow(i);
             }
         }
@@ -235,7 +236,7 @@ impl Walk {
 
     /// Evaluates an operator that is not quick.
     #[inline(never)]
-    fn step(&mut self, i: usize, word: u64, here: Here<'_>) -> (bool, i64) {
+    fn step(&mut self, i: usize, word: u64, here: Here<'_>) -> Stepped {
         let (op, memory) = (&here.at.ops[i], &mut self.memories[i]);
         if let Some(known) = past::delayed(op, memory, here.now, |of| of.in_word(word)) {
             return known;
@@ -254,8 +255,8 @@ impl Walk {
         let scene = Scene { here, before: self.last, notes };
         (*again, *alarm) = (0, i64::MAX);
         for (i, memory) in memories.iter_mut().enumerate() {
-            let (bit, next) = past::step(i, (memory, latest), &scene, bits, values);
-            past::set(bits, i, bit);
+            let Stepped { holds, next, .. } = past::step(i, (memory, latest), &scene, bits, values);
+            past::set(bits, i, holds);
             note_fault(notes, faults, i);
             match next {
                 NOW => *again |= 1_u64.checked_shl(i as u32).unwrap_or(0),
@@ -268,6 +269,12 @@ impl Walk {
     #[inline]
     pub fn word(&self) -> u64 {
         self.registers.bits[0]
+    }
+
+    /// Positions up to this time were passed over.
+    #[inline]
+    pub fn pass_over(&mut self, until: i64) {
+        self.last = self.last.max(Some(until));
     }
 
     /// Before when nothing is due as long as no signal changes.

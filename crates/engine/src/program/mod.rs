@@ -97,6 +97,9 @@ pub struct Topic {
     pub events: Vec<usize>,
     /// The longest window in which its messages are counted.
     pub window: Option<Duration>,
+    /// What its messages make due whatever is in them. [`Program::link`] fills it.
+    #[serde(skip)]
+    pub wakes: Vec<Wake>,
 }
 
 /// An object of the ground truth and the slots that its parts fill: position 3, quaternion 4 (x, y, z, w), linear 3, angular 3.

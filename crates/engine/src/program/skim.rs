@@ -32,7 +32,14 @@ impl Skim {
         let compares = group.at.nodes.iter().any(|node| matches!(node, Node::Compare { .. }));
         // Each column fills the slot of its own number, and there are no others.
         let fills = columns.iter().map(|column| column.slot).eq(0..slots.len());
-        if waits || minds || compares || !fills || !group.rests || !(1..=Row::COLUMNS).contains(&columns.len()) {
+        if waits
+            || minds
+            || compares
+            || !group.at.ages.is_empty()
+            || !fills
+            || !group.rests
+            || !(1..=Row::COLUMNS).contains(&columns.len())
+        {
             return None;
         }
         let due = |slot: &Slot| together(slot.wakes.iter().map(Due::from));
