@@ -144,9 +144,13 @@ impl Piece {
         self.newest = now;
         let mut waits = false;
         if !matches!(sample.what, What::Other) {
+            // A rate and a timeout count from the first one.
+            waits = self.t0.is_none() || program.clock != Clock::Events;
             self.t0.get_or_insert(now);
             self.take_in(program, sample);
-            waits = program.clock != Clock::Events || self.instant(program, now, tell);
+            if program.clock == Clock::Events {
+                waits |= self.instant(program, now, tell);
+            }
         }
         if self.is_timed && (waits || now >= self.quiet_until) {
             self.quiet_until = self.look_ahead(program);
