@@ -2,7 +2,8 @@
 //! thread.
 //!
 //! What the monitor costs is told apart from what its questions cost: a scan is only taken where somebody reads it. So `read` makes the messages
-//! that the specification reads and judges nothing, and `monitored` judges them. By instructions:
+//! that the specification reads, as bytes, and judges nothing; `monitored` is told their fields, and judges them. By instructions, what begins once
+//! left out by the difference of two numbers of runs:
 //!
 //! ```text
 //! valgrind --tool=callgrind target/release/simulator 2 read

@@ -68,18 +68,19 @@ pub(crate) struct Move {
     ends: u64,
     /// Those that lose what has been.
     breaks: u64,
-    /// The distance from the position before at which the first bound of `ends` will have run out; [`u64::MAX`] for never.
-    wait: u64,
+    /// The distance from the position before at which the first bound of `ends` will have run out; [`i64::MAX`] for never.
+    wait: i64,
     /// Whether no bounds run on but those: nothing else is waited for then.
     afresh: bool,
     /// Where it leads to: nowhere for a move that was not made yet, and where there is no room for another situation.
     pub to: Place,
 }
 
-const BLANK: Move = Move { word: 0, holding: 0, ends: 0, breaks: 0, wait: u64::MAX, afresh: false, to: Place::NOWHERE };
+const BLANK: Move = Move { word: 0, holding: 0, ends: 0, breaks: 0, wait: i64::MAX, afresh: false, to: Place::NOWHERE };
 
 impl Automaton {
-    /// The move from a place where the leaves in `letter` change, if it is known; no bound may have run out.
+    /// The move from a place where the leaves in `letter` change, if it is known. It holds as long as no bound has run out, of those that
+    /// run on neither before it nor after.
     #[inline]
     pub fn known(&self, place: Place, letter: u32) -> Option<&Move> {
         self.moves.get(place.number(letter)).filter(|known| known.to != Place::NOWHERE)
@@ -147,7 +148,8 @@ impl Situation {
             };
             made.word |= if holds { me } else { 0 };
         }
-        made.wait = bits(made.ends & made.word).map(|i| alphabet.over[i]).min().unwrap_or(u64::MAX);
+        let over = bits(made.ends & made.word).map(|i| alphabet.over[i]).min();
+        made.wait = over.and_then(|over| i64::try_from(over).ok()).unwrap_or(i64::MAX);
         made.afresh = made.word & alphabet.timed & !made.holding & !made.ends == 0;
         made
     }
@@ -169,11 +171,17 @@ impl Situation {
 }
 
 impl Move {
+    /// When the next bound runs out that runs on then, `alarm` having been when that was before. Whoever never runs out may be looked at in
+    /// some hundred years all the same.
+    #[inline(always)]
+    pub fn alarm(&self, before: i64, alarm: i64) -> i64 {
+        before.checked_add(self.wait).unwrap_or(i64::MAX).min(if self.afresh { i64::MAX } else { alarm })
+    }
+
     /// What has to be remembered of it.
     #[inline(always)]
-    pub fn leave_marks(&self, latest: &mut Latest, before: i64, alarm: &mut i64) {
+    pub fn leave_marks(&self, latest: &mut Latest, before: i64) {
         latest.holding[0] = self.holding;
-        *alarm = runs_out(before, self.wait).min(if self.afresh { i64::MAX } else { *alarm });
         for i in bits(self.ends) {
             latest.stamps[i] = before;
         }

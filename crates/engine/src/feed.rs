@@ -3,7 +3,7 @@
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-use lapwing_stream::{Sample, Time, What};
+use lapwing_stream::{Sample, Time, Value, What};
 use serde::{Deserialize, Serialize};
 
 use crate::inputs::Inputs;
@@ -58,17 +58,25 @@ impl State {
     // PERF: rows of truth values are skimmed where they come from; what else there is to do costs more than a call.
     #[inline(always)]
     pub fn feed(&mut self, program: &Program, sample: Sample<'_>, observer: &mut impl Observer) {
-        let now = sample.time.0;
-        if self.piece.is_quiet_until(now) {
-            if let What::Row { cells } = sample.what
-                && self.piece.skim(program, now, cells, observer)
-            {
-                return;
-            }
-        } else if !self.reach(program, now, observer) {
-            return;
+        match sample.what {
+            What::Row { cells } if self.piece.skim(program, sample.time.0, cells, observer) => {}
+            What::Row { cells } => self.take_row(program, sample.time, cells, observer),
+            _ => self.take(program, sample, observer),
         }
-        self.piece.take(program, sample, observer);
+    }
+
+    // PERF: where rows are skimmed there is no sample in memory.
+    #[inline(never)]
+    fn take_row(&mut self, program: &Program, time: Time, cells: &[Value], observer: &mut impl Observer) {
+        self.take(program, Sample { time, what: What::Row { cells } }, observer);
+    }
+
+    #[inline]
+    fn take(&mut self, program: &Program, sample: Sample<'_>, observer: &mut impl Observer) {
+        let now = sample.time.0;
+        if self.piece.is_quiet_until(now) || self.reach(program, now, observer) {
+            self.piece.take(program, sample, observer);
+        }
     }
 
     /// Time goes on to `now`, or back. Returns whether what comes then still counts.
@@ -77,10 +85,11 @@ impl State {
         if now < self.piece.newest || self.piece.is_absurd(program, now) {
             self.jump(program, Time(now), observer);
         }
-        self.piece.newest = now;
         if self.piece.is_timed_out(program, now) {
+            self.piece.time_out(now);
             return false;
         }
+        self.piece.newest = now;
         self.piece.pass_time(program, now, observer);
         true
     }

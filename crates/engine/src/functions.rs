@@ -65,12 +65,12 @@ fn sign(x: f64) -> f64 {
 
 /// The least that is not NaN; NaN where there is none.
 pub(crate) fn least(of: impl Iterator<Item = f64>) -> f64 {
-    of.filter(|x| !x.is_nan()).fold(f64::NAN, |a, x| if x < a || a.is_nan() { x } else { a })
+    of.fold(f64::NAN, |least, x| if x.is_nan() | (x >= least) { least } else { x })
 }
 
 /// The greatest that is not NaN; NaN where there is none.
 pub(crate) fn greatest(of: impl Iterator<Item = f64>) -> f64 {
-    of.filter(|x| !x.is_nan()).fold(f64::NAN, |a, x| if x > a || a.is_nan() { x } else { a })
+    of.fold(f64::NAN, |greatest, x| if x.is_nan() | (x <= greatest) { greatest } else { x })
 }
 
 /// The Euclidean norm, summed from the left.

@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use lapwing_stream::{Time, Value};
 use serde::{Deserialize, Serialize};
 
-use crate::automaton::{Automaton, Move};
+use crate::automaton::Automaton;
 use crate::future::{Graph, Moment, step_segments};
 use crate::inputs::{Due, Inputs};
 use crate::looks::LookState;
@@ -14,7 +14,7 @@ use crate::margin::Margins;
 use crate::outcome::{Alarm, Observer, Output};
 use crate::pack::packed;
 use crate::past::{Here, NOW};
-use crate::program::{Alphabet, At, Group, Judged};
+use crate::program::{At, Group, Judged};
 use crate::standing::GivenUp;
 use crate::times::{Pos, Times};
 use crate::tracker::{TrackerState, is_obliged};
@@ -109,6 +109,7 @@ impl Core {
         if missed == 0 {
             return;
         }
+        self.walk.pass_over(last);
         let from = self.positions;
         self.positions += missed;
         for (state, tracker) in self.trackers.iter_mut().zip(&plan.trackers) {
@@ -129,36 +130,80 @@ impl Core {
         limit: usize,
         tell: &mut impl Observer,
     ) {
-        if !self.rests {
-            if self.idles {
-                self.make_up_idle(plan, when.number, when.before);
-            }
+        if self.rests {
+            self.step_at_rest((plan, automaton), inputs, due, when, tell);
+        } else if self.idles {
+            self.step_idle((plan, automaton), inputs, due.ops, when, limit, tell);
+        } else {
             self.stepped = when.number + 1;
             self.step_any((plan, automaton), inputs, due.ops, when.now, limit, tell);
-        } else if let Some(alphabet) = plan.alphabet()
-            && let Some(known) = self.known_move((automaton, alphabet), due.letter, when)
-        {
-            self.follow(plan, inputs, known, when, tell);
-        } else {
-            self.step_resting((plan, automaton), inputs, due.ops, when, tell);
         }
     }
 
-    /// For a group that rests: the automaton's move for an instant, where all that it takes is one that is known.
+    /// An instant of a group that idles: where what was due comes to what it was, it does so on.
+    #[inline(never)]
+    fn step_idle(
+        &mut self,
+        (plan, automaton): (&Group, &mut Automaton),
+        inputs: &Inputs,
+        due: u64,
+        when: When,
+        limit: usize,
+        tell: &mut impl Observer,
+    ) {
+        let word = self.walk.word();
+        self.walk.pass_over(when.before);
+        self.walk.run(automaton, here(plan, inputs, when.now, &self.key), due);
+        if self.walk.word() != word || self.spoilt_by != self.walk.faults.len() {
+            self.make_up_idle(plan, when.number, when.before);
+            self.stepped = when.number + 1;
+            self.spoil(plan);
+            self.take_position(plan, inputs, when.now, Some(word), limit, tell);
+        }
+    }
+
+    /// Whether positions at which nothing is due need only be counted.
+    #[inline(always)]
+    pub fn rests(&self) -> bool {
+        self.rests
+    }
+
+    /// An instant of a group that rests. Gives what [`Core::rests_until`] says then.
+    #[inline(always)]
+    pub fn step_at_rest(
+        &mut self,
+        (plan, automaton): (&Group, &mut Automaton),
+        inputs: &Inputs,
+        due: Due,
+        when: When,
+        tell: &mut impl Observer,
+    ) -> i64 {
+        let is_quiet = when.now < self.walk.quiet_until()
+            || plan.alphabet().is_some_and(|alphabet| self.walk.is_quiet(alphabet, when.now, when.before));
+        if is_quiet && let Some(until) = self.glide((plan, automaton), inputs, due.letter, when, tell) {
+            return until;
+        }
+        self.step_resting((plan, automaton), inputs, due.ops, when, tell);
+        self.walk.quiet_until()
+    }
+
+    /// An instant of a group that rests, at which nothing is due but what signals make so, where all that it takes is a move of the automaton
+    /// that is known. Gives what [`Core::rests_until`] says then; else nothing has happened.
     // PERF: the way of most properties of robots, and of nearly all of their instants, without what only others need.
     #[inline(always)]
-    pub fn known_move<'a>(&mut self, moves: (&'a Automaton, &Alphabet), letter: u32, when: When) -> Option<&'a Move> {
-        if self.rests { self.walk.known_move(moves, letter, when.now, when.before) } else { None }
-    }
-
-    /// An instant at which the automaton makes that move. Gives what [`Core::rests_until`] says then.
-    #[inline(always)]
-    pub fn follow(&mut self, plan: &Group, inputs: &Inputs, known: &Move, when: When, tell: &mut impl Observer) -> i64 {
-        let (old, word) = self.walk.follow(known, when.before);
-        if (old ^ word) & plan.verdicts != 0 {
-            self.turn(plan, inputs, when, old, tell);
+    pub fn glide(
+        &mut self,
+        (plan, automaton): (&Group, &Automaton),
+        inputs: &Inputs,
+        letter: u32,
+        When { now, number, before }: When,
+        tell: &mut impl Observer,
+    ) -> Option<i64> {
+        let glided = self.walk.glide(automaton, letter, now, before)?;
+        if (glided.from ^ glided.to) & plan.verdicts != 0 {
+            self.turn(plan, inputs, When { now, number, before }, glided.from, tell);
         }
-        self.walk.quiet_until()
+        Some(glided.quiet_until)
     }
 
     #[inline(never)]
@@ -171,7 +216,7 @@ impl Core {
         tell: &mut impl Observer,
     ) {
         let word = self.walk.word();
-        self.walk.last = Some(when.before);
+        self.walk.pass_over(when.before);
         self.walk.run(automaton, here(plan, inputs, when.now, &[]), due);
         let is_same = (word ^ self.walk.word()) & plan.verdicts == 0;
         if !is_same || self.spoilt_by != self.walk.faults.len() {
@@ -181,7 +226,7 @@ impl Core {
 
     /// A position at which a verdict changes; until it the registers' `word` held.
     #[inline(never)]
-    fn turn(&mut self, plan: &Group, inputs: &Inputs, when: When, word: u64, tell: &mut impl Observer) {
+    pub fn turn(&mut self, plan: &Group, inputs: &Inputs, when: When, word: u64, tell: &mut impl Observer) {
         self.make_up_until(plan, when.number, when.before, word);
         self.stepped = when.number + 1;
         self.positions += 1;
@@ -209,9 +254,22 @@ impl Core {
                 self.tell_margins(plan, now, tell);
             }
         }
-        if !is_position {
-            return;
+        if is_position {
+            self.take_position(plan, inputs, now, before, limit, tell);
         }
+    }
+
+    /// A position whose operators have been evaluated; before it the registers' word was `before`.
+    #[inline]
+    fn take_position(
+        &mut self,
+        plan: &Group,
+        inputs: &Inputs,
+        now: i64,
+        before: Option<u64>,
+        limit: usize,
+        tell: &mut impl Observer,
+    ) {
         self.positions += 1;
         if plan.is_plain() {
             self.judge(plan, inputs, now, tell);

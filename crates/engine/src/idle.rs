@@ -10,7 +10,7 @@ use crate::program::{At, Bound, FutureKind, Group, LookKind};
 impl Group {
     /// Whether it may idle at all: nothing in it depends on how long its segments have lasted, or runs at every position.
     pub(crate) fn may_idle(&self) -> bool {
-        let untimed = self.at.alphabet.is_none() && self.at.ages.is_empty() && self.at.slices.is_empty();
+        let untimed = self.at.alphabet.is_none() && self.at.slices.is_empty();
         let is_wired = self.at.wiring.as_ref().is_some_and(|wiring| wiring.always == 0);
         let steady = self.trackers.iter().all(|t| matches!(t.at, At::First | At::All));
         !self.is_plain() && untimed && is_wired && steady && self.looks_stand_still() && self.futures_stand_still()
@@ -56,7 +56,7 @@ impl Core {
         self.stepped = number;
         self.positions += missed;
         self.times.skip(missed);
-        self.walk.last = Some(last);
+        self.walk.pass_over(last);
         for (state, tracker) in self.trackers.iter_mut().zip(&plan.trackers) {
             if tracker.at == At::All
                 && self.graph.segments[tracker.context as usize].active

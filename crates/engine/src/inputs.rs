@@ -66,6 +66,16 @@ pub(crate) struct Due {
     pub letter: u32,
 }
 
+impl Due {
+    /// What both of them make due.
+    #[inline(always)]
+    pub fn and(self, other: Due) -> Due {
+        // What toggled twice is where it was; what has no letter stays so.
+        let letter = (self.letter ^ other.letter) | ((self.letter | other.letter) & Wake::NO_LETTER);
+        Due { ops: self.ops | other.ops, letter }
+    }
+}
+
 /// What is known of a topic.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct TopicState {
@@ -121,7 +131,7 @@ impl Inputs {
             due: alloc::vec![Due::default(); program.groups.len()],
             woken: false,
             bands: alloc::vec![Band::default(); program.slots.len()],
-            row: Row::default(),
+            row: Row::NONE,
             stirred: false,
             topics: alloc::vec![TopicState::default(); program.topics.len()],
             events: alloc::vec![EventState::default(); program.events.len()],
@@ -135,7 +145,7 @@ impl Inputs {
     pub(crate) fn set(&mut self, program: &Program, slot: usize, value: &Value) {
         let (Some(to), Some(plan)) = (self.slots.get_mut(slot), program.slots.get(slot)) else { return };
         if !is_latest(to, value) {
-            self.row = Row::default();
+            self.row = Row::NONE;
             self.change(plan, slot, value);
         }
         if let Some(version) = self.versions.get_mut(slot)
@@ -168,7 +178,10 @@ impl Inputs {
         match (&mut *to, value) {
             (Value::Num(to), Value::Num(from)) => {
                 let was = core::mem::replace(to, *from);
-                if !self.bands.get(slot).is_some_and(|band| band.holds(*from)) {
+                if plan.cuts.is_empty() && !was.is_nan() && !from.is_nan() {
+                    self.woken |= !plan.every.is_empty();
+                    wake(&mut self.due, &plan.every, 0);
+                } else if !self.bands.get(slot).is_some_and(|band| band.holds(*from)) {
                     self.cross(plan, slot, was, *from);
                 }
             }
@@ -227,9 +240,11 @@ impl Inputs {
         }
     }
 
-    /// A message came, or an event occurred: at the end of the instant there is something to end.
-    pub(crate) fn stir(&mut self) {
+    /// A message came: at the end of the instant there is something to end.
+    pub(crate) fn stir(&mut self, wakes: &[Wake]) {
         self.stirred = true;
+        self.woken |= !wakes.is_empty();
+        wake(&mut self.due, wakes, 0);
     }
 
     /// An event occurred.
@@ -240,11 +255,11 @@ impl Inputs {
         }
     }
 
-    /// The only group has taken in what changed.
+    /// The only group takes in what changed: gives what that made due.
     #[inline]
-    pub(crate) fn settle(&mut self) {
+    pub(crate) fn settle(&mut self) -> Due {
         self.woken = false;
-        self.due.fill(Due::default());
+        self.due.first_mut().map(core::mem::take).unwrap_or_default()
     }
 
     /// The instant is over: its events are, too.
@@ -314,9 +329,7 @@ fn replace(to: &mut Value, value: &Value) -> u32 {
 fn wake(due: &mut [Due], wakes: &[Wake], letters: u32) {
     for wake in wakes {
         let due = &mut due[wake.group];
-        due.ops |= wake.ops;
-        // What toggled twice is where it was; what has no letter stays so.
-        due.letter = (due.letter ^ wake.letter) | ((wake.letter | letters) & Wake::NO_LETTER);
+        *due = due.and(Due { ops: wake.ops, letter: wake.letter | letters });
     }
 }
 

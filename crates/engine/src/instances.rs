@@ -59,9 +59,10 @@ enum Kept {
 pub(crate) fn only<'a>(
     plans: &'a [Group],
     groups: &'a mut [Instances],
-) -> Option<(&'a Group, &'a Automaton, &'a mut Core)> {
-    let ([plan], [Instances { core, shelf, automaton, .. }]) = (plans, groups) else { return None };
-    shelf.is_empty().then_some((plan, automaton, core))
+) -> Option<(&'a Group, &'a mut Automaton, &'a mut Core)> {
+    let ([plan], [instances]) = (plans, groups) else { return None };
+    let (core, automaton) = instances.alone()?;
+    Some((plan, automaton, core))
 }
 
 impl Instances {
@@ -85,6 +86,12 @@ impl Instances {
             new.shelf.push(if fits { Kept::Packed(bytes) } else { Kept::Whole(Box::new(new.core.clone())) });
         }
         new
+    }
+
+    /// The only instance, where there are no slices.
+    #[inline(always)]
+    pub fn alone(&mut self) -> Option<(&mut Core, &mut Automaton)> {
+        self.shelf.is_empty().then_some((&mut self.core, &mut self.automaton))
     }
 
     /// Calls with every instance, and every template.

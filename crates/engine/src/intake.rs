@@ -17,6 +17,7 @@ impl Piece {
             }
             What::Row { cells } => {
                 self.inputs.set_row(program, cells);
+                self.note_row(program, cells);
                 if self.minds_slots {
                     self.hear(program, cells, sample.time.0);
                 }
@@ -42,6 +43,9 @@ impl Piece {
 
     /// Values of slices may have been seen for the first time.
     fn make_instances(&mut self, program: &Program) {
+        if !self.is_sliced {
+            return;
+        }
         for (instances, plan) in self.groups.iter_mut().zip(&program.groups) {
             if !plan.at.slices.is_empty() {
                 instances.make(&plan.at, &self.inputs);
@@ -54,8 +58,10 @@ impl Piece {
         for (slots, value) in plan.fields.iter().zip(values) {
             slots.iter().for_each(|&slot| self.inputs.set(program, slot, value));
         }
-        self.note_silence(program, Read::Topic(topic), now);
-        self.inputs.stir();
+        if self.minds_topics[topic] {
+            self.note_silence(program, Read::Topic(topic), now);
+        }
+        self.inputs.stir(&plan.wakes);
         let state = &mut self.inputs.topics[topic];
         self.messages[topic].0 += 1;
         // A message that comes before the instant after the one before it makes that one unseen.

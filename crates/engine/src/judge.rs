@@ -29,7 +29,7 @@ impl Piece {
         }
         match property.judge {
             Judge::Nobody => blank("nothing judges it".to_string()),
-            _ if self.last.is_none() => blank("the trace has no message".to_string()),
+            _ if self.last().is_none() => blank("the trace has no message".to_string()),
             Judge::Machine(m) => alloc::vec![self.machine_outcome(program, number, m, ending)],
             Judge::Group(g) => {
                 let mut outcomes = Vec::new();
@@ -58,7 +58,7 @@ impl Piece {
         outcome.cause = self.cause(program, number, at, walk, ending);
         let limit = memory.deadline(&program.machines[machine], machine, &self.inputs);
         outcome.open = u64::from(limit.is_some());
-        let missed = limit.is_some_and(|limit| Some(limit) <= self.last);
+        let missed = limit.is_some_and(|limit| Some(limit) <= self.last());
         outcome.unmet_since = missed.then(|| memory.since());
         outcome.settle(missed, false, ending);
         outcome
@@ -73,7 +73,7 @@ impl Piece {
             nans: self.nans(program, number, &core.walk.notes),
             ..Outcome::blank(number, scopes)
         };
-        let last = self.last.unwrap_or_default();
+        let last = self.last().unwrap_or_default();
         let mut more_to_come = false;
         for (tracker, state) in of_property() {
             outcome.met += state.met;

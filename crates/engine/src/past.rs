@@ -18,10 +18,11 @@ use crate::program::{Bit, Bound, NodeId, Op, Positions, Window};
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) enum Memory {
     None,
-    /// The latest values, a ring: `at` is the oldest.
+    /// The latest values, a ring: `at` is the oldest. So many of the latest positions had the same value as the one before.
     Ring {
         values: Vec<Value>,
         at: usize,
+        settled: usize,
     },
     /// The value before, and its stamp.
     Before {
@@ -54,7 +55,7 @@ impl Memory {
     /// The memory of an operator that has seen nothing.
     pub fn new(op: &Op) -> Memory {
         match op {
-            Op::Lookback(_, n) => Memory::Ring { values: alloc::vec![Value::Missing; *n], at: 0 },
+            Op::Lookback(_, n) => Memory::Ring { values: alloc::vec![Value::Missing; *n], at: 0, settled: 0 },
             Op::Delta(_) | Op::Rate(_) => Memory::Before { value: None, stamp: None },
             Op::Previously(_) | Op::Becomes(_) => Memory::Last(false),
             Op::Once(..) | Op::Since(..) => Memory::Held { pending: VecDeque::new(), reached: None },
@@ -73,9 +74,10 @@ impl Pack for Memory {
     fn pack(&self, to: &mut Packer) {
         match self {
             Memory::None => {}
-            Memory::Ring { values, at } => {
+            Memory::Ring { values, at, settled } => {
                 values.pack(to);
                 at.pack(to);
+                settled.pack(to);
             }
             Memory::Before { value, stamp } => {
                 value.pack(to);
@@ -98,9 +100,10 @@ impl Pack for Memory {
     fn unpack(&mut self, from: &mut Unpacker<'_>) {
         match self {
             Memory::None => {}
-            Memory::Ring { values, at } => {
+            Memory::Ring { values, at, settled } => {
                 values.unpack(from);
                 at.unpack(from);
+                settled.unpack(from);
             }
             Memory::Before { value, stamp } => {
                 value.unpack(from);
@@ -118,6 +121,22 @@ impl Pack for Memory {
             Memory::Window(values) => values.unpack(from),
             Memory::Stamps(stamps) => stamps.unpack(from),
         }
+    }
+}
+
+/// What came of an operator at a position.
+pub(crate) struct Stepped {
+    /// Its truth value.
+    pub holds: bool,
+    /// When it is due although no operand changes: see [`NOW`].
+    pub next: i64,
+    /// Whether its result is no truth value, and may be another than before.
+    pub has_moved: bool,
+}
+
+impl Stepped {
+    fn truth((holds, next): (bool, i64)) -> Stepped {
+        Stepped { holds, next, has_moved: false }
     }
 }
 
@@ -175,6 +194,17 @@ pub(crate) struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
+    /// When the `i`-th operator is due because an age in it passes a limit.
+    fn next_flip(&self, i: usize) -> i64 {
+        let Here { at, inputs, now, .. } = self.here;
+        let is_aged = at.wiring.as_ref().is_some_and(|wiring| wiring.aged.wrapping_shr(i as u32) & 1 == 1);
+        let flips = at.ages.iter().filter(|_| is_aged).filter_map(|age| {
+            let last = inputs.topics.get(age.topic)?.last?;
+            age.after.iter().map(|after| last.saturating_add(after.nanos())).find(|flip| *flip > now)
+        });
+        flips.min().unwrap_or(i64::MAX)
+    }
+
     pub fn view<'b>(&self, bits: &'b [u64], values: &'b [Value]) -> View<'b>
     where
         'a: 'b,
@@ -274,24 +304,40 @@ fn now(op: &Op, scene: &Scene<'_>, bits: &[u64], values: &[Value]) -> bool {
 
 /// Evaluates the `i`-th operator at a position. Its memory takes in the position, and those since it was evaluated last, at which its
 /// operands were as they were then.
-///
-/// Returns its truth value, and when it is due although no operand changes: see [`NOW`].
 pub(crate) fn step(
     i: usize,
     (memory, latest): (&mut Memory, &mut Latest),
     scene: &Scene<'_>,
     bits: &[u64],
     values: &mut [Value],
-) -> (bool, i64) {
+) -> Stepped {
     let op = &scene.here.at.ops[i];
     let mut alarm = i64::MAX;
     if let Some(known) = quick((i, op), latest, &scene.here, scene.before, &mut alarm, |of| of.of(bits)) {
-        return (known, alarm);
+        return Stepped::truth((known, alarm));
     }
-    slow((i, op), memory, scene, bits, values)
+    let known = delayed(op, memory, scene.here.now, |of| of.of(bits));
+    known.unwrap_or_else(|| slow((i, op), memory, scene, bits, values))
 }
 
-/// Evaluates an operator that is not [`quick`]; returns what [`step`] does.
+/// Evaluates `once` and `since` with any bound; returns what [`step`] does.
+#[inline]
+pub(crate) fn delayed(op: &Op, memory: &mut Memory, now: i64, get: impl Fn(Bit) -> bool) -> Option<Stepped> {
+    let stepped = match (op, memory) {
+        (Op::Once(bound, of), Memory::Held { pending, reached }) => within(bound, get(*of), now, pending, reached),
+        (Op::Since(bound, left, right), Memory::Held { pending, reached }) => {
+            if !get(*left) {
+                pending.clear();
+                *reached = None;
+            }
+            within(bound, get(*right), now, pending, reached)
+        }
+        _ => return None,
+    };
+    Some(Stepped::truth(stepped))
+}
+
+/// Evaluates an operator that is neither [`quick`] nor [`delayed`]; returns what [`step`] does.
 #[inline]
 pub(crate) fn slow(
     (i, op): (usize, &Op),
@@ -299,17 +345,19 @@ pub(crate) fn slow(
     scene: &Scene<'_>,
     bits: &[u64],
     values: &mut [Value],
-) -> (bool, i64) {
-    match (op, memory) {
+) -> Stepped {
+    Stepped::truth(match (op, memory) {
         (Op::Holds(_), _) => {
             scene.notes.met_nan.set(false);
             let holds = now(op, scene, bits, values);
             // Every NaN that a comparison meets is counted, at each position.
-            (holds, if scene.notes.met_nan.get() { NOW } else { i64::MAX })
+            (holds, if scene.notes.met_nan.get() { NOW } else { scene.next_flip(i) })
         }
         (Op::Lookback(..) | Op::Delta(_) | Op::Rate(_) | Op::Window(..) | Op::Count(..), memory) => {
-            value(i, op, memory, scene, true, bits, values);
-            (false, NOW)
+            let before = scalar(&values[i]);
+            let has_settled = value(i, op, memory, scene, true, bits, values);
+            let has_moved = before.is_none() || before != scalar(&values[i]);
+            return Stepped { holds: false, next: if has_settled { i64::MAX } else { NOW }, has_moved };
         }
         (Op::Previously(of), Memory::Last(last)) => {
             let holds = of.of(bits);
@@ -322,16 +370,6 @@ pub(crate) fn slow(
             *last = holds;
             (becomes, if becomes { NOW } else { i64::MAX })
         }
-        (Op::Once(bound, of), Memory::Held { pending, reached }) => {
-            within(bound, of.of(bits), scene.here.now, pending, reached)
-        }
-        (Op::Since(bound, left, right), Memory::Held { pending, reached }) => {
-            if !left.of(bits) {
-                pending.clear();
-                *reached = None;
-            }
-            within(bound, right.of(bits), scene.here.now, pending, reached)
-        }
         (Op::Held(duration, of), Memory::Since { since, broken }) => {
             if of.of(bits) {
                 held(duration.nanos(), scene, since, broken)
@@ -341,7 +379,7 @@ pub(crate) fn slow(
             }
         }
         (op, _) => (now(op, scene, bits, values), i64::MAX),
-    }
+    })
 }
 
 /// `once` with any bound. While the operand holds, each position adds a stamp.
@@ -376,15 +414,37 @@ fn held(duration: i64, scene: &Scene<'_>, since: &mut Option<i64>, broken: &mut 
     if scene.here.now >= from { (true, i64::MAX) } else { (false, from) }
 }
 
-/// An operator whose result is no truth value.
-fn value(i: usize, op: &Op, memory: &mut Memory, scene: &Scene<'_>, running: bool, bits: &[u64], values: &mut [Value]) {
+/// An operator whose result is no truth value. Returns whether it stays what it is as long as what it looks back at does.
+fn value(
+    i: usize,
+    op: &Op,
+    memory: &mut Memory,
+    scene: &Scene<'_>,
+    running: bool,
+    bits: &[u64],
+    values: &mut [Value],
+) -> bool {
     let mut out = core::mem::take(&mut values[i]);
     let view = scene.view(bits, values);
-    match op {
-        Op::Window(..) | Op::Count(..) => over_window(op, memory, &view, running, &mut out),
+    let has_settled = match op {
+        Op::Window(..) | Op::Count(..) => {
+            over_window(op, memory, &view, running, &mut out);
+            false
+        }
         _ => look_back(op, memory, &view, &mut out),
-    }
+    };
     values[i] = out;
+    has_settled
+}
+
+/// What tells scalars apart, to the bit: their kind, and what they are. Other values are not looked into.
+fn scalar(value: &Value) -> Option<(u8, u64)> {
+    match value {
+        Value::Missing => Some((0, 0)),
+        Value::Bool(is) => Some((1, u64::from(*is))),
+        Value::Num(x) => Some((2, x.to_bits())),
+        _ => None,
+    }
 }
 
 /// A number, where there is one.
@@ -396,22 +456,29 @@ fn difference(now: Option<f64>, before: Option<f64>) -> Option<f64> {
     Some(now? - before?)
 }
 
-/// The operators that look to earlier instants, before position 0 as well.
-fn look_back(op: &Op, memory: &mut Memory, view: &View<'_>, out: &mut Value) {
+/// The operators that look to earlier instants, before position 0 as well. Returns whether the result stays as long as the operand does.
+fn look_back(op: &Op, memory: &mut Memory, view: &View<'_>, out: &mut Value) -> bool {
     match (op, memory) {
-        (Op::Lookback(node, _), Memory::Ring { values, at }) => {
+        (Op::Lookback(node, _), Memory::Ring { values, at, settled }) => {
+            let depth = values.len();
+            let newest = (*at + depth).checked_sub(1).and_then(|newest| values.get(newest % depth.max(1)));
+            let before = newest.and_then(scalar);
             if let Some(oldest) = values.get_mut(*at) {
                 core::mem::swap(oldest, out);
                 view.value(*node).store(oldest);
-                *at = (*at + 1) % values.len();
+                let is_same = before.is_some() && before == scalar(oldest);
+                *settled = if is_same { settled.saturating_add(1) } else { 0 };
+                *at = (*at + 1) % depth;
             } else {
                 view.value(*node).store(out);
             }
+            *settled >= depth
         }
         (Op::Delta(node), Memory::Before { value, .. }) => {
             let now = number(view, *node);
             *out = difference(now, *value).map_or(Value::Missing, Value::Num);
-            *value = now;
+            let before = core::mem::replace(value, now);
+            before.map(f64::to_bits) == now.map(f64::to_bits)
         }
         (Op::Rate(node), Memory::Before { value, stamp }) => {
             let now = number(view, *node);
@@ -419,8 +486,13 @@ fn look_back(op: &Op, memory: &mut Memory, view: &View<'_>, out: &mut Value) {
             let rate = |difference: f64| if nanos == 0 { f64::NAN } else { difference / (nanos as f64 / 1e9) };
             *out = difference(now, *value).map_or(Value::Missing, |d| Value::Num(rate(d)));
             (*value, *stamp) = (now, Some(view.now));
+            // Where it stays, it is 0, but at a stamp that comes once more.
+            false
         }
-        _ => *out = Value::Missing,
+        _ => {
+            *out = Value::Missing;
+            false
+        }
     }
 }
 

@@ -13,6 +13,7 @@ use crate::machine::MachineMemory;
 use crate::outcome::{Observer, Outcome, Output};
 use crate::past::NOW;
 use crate::program::{Clock, Judge, Program, Read};
+use crate::skim::Row;
 use crate::world::ObjectMemory;
 
 /// At most so many instants of a rate between two samples; a longer silence starts everything anew, as a jump back does.
@@ -27,9 +28,9 @@ pub(crate) struct Piece {
     pub(crate) objects: Vec<ObjectMemory>,
     /// The first sample that was read.
     pub(crate) t0: Option<i64>,
-    /// The last sample of any kind, [`i64::MIN`] before the first, and the last that the timeout let through.
+    /// The last sample of any kind, [`i64::MIN`] before the first, and the last that the timeout let through, where it let others not.
     pub(crate) newest: i64,
-    pub(crate) last: Option<i64>,
+    cut: Option<i64>,
     /// The last instant that all share, [`i64::MIN`] before the first.
     pub(crate) last_instant: i64,
     /// The next instant of a rate.
@@ -39,12 +40,17 @@ pub(crate) struct Piece {
     quiet_until: i64,
     /// Whether anything ever does.
     is_timed: bool,
-    /// Before this time all groups rest, as long as nothing wakes one.
+    /// Before this time all groups rest, as long as nothing wakes one; and for each group before when it does.
     pub(crate) calm_until: i64,
+    calm: Vec<i64>,
+    /// Whether events make instances of a group.
+    pub(crate) is_sliced: bool,
     /// Per property: which of its silences was too long, from when to when.
     pub(crate) stale: Vec<Option<(usize, i64, i64)>>,
-    /// Whether a property minds the silence of a signal that comes in rows, and when each slot last got a value.
+    /// Whether a property minds the silence of a signal that comes in rows, and when each slot last got a value; for each topic whether one minds
+    /// its silence.
     pub(crate) minds_slots: bool,
+    pub(crate) minds_topics: Vec<bool>,
     pub(crate) heard: Vec<Option<i64>>,
     /// Per topic: messages in all, and those that no instant saw.
     pub(crate) messages: Vec<(u64, u64)>,
@@ -61,15 +67,18 @@ impl Piece {
             objects: alloc::vec![ObjectMemory::default(); program.objects.len()],
             t0: None,
             newest: i64::MIN,
-            last: None,
+            cut: None,
             last_instant: i64::MIN,
             tick: 0,
             instants: 0,
             quiet_until: if is_timed(program) { i64::MIN } else { i64::MAX },
             calm_until: NOW,
+            calm: alloc::vec![NOW; program.groups.len()],
+            is_sliced: program.groups.iter().any(|group| !group.at.slices.is_empty()),
             is_timed: is_timed(program),
             stale: alloc::vec![None; program.properties.len()],
             minds_slots: program.properties.iter().flat_map(|p| &p.stale).any(|s| matches!(s.of, Read::Slot(_))),
+            minds_topics: (0..program.topics.len()).map(|topic| minds(program, Read::Topic(topic))).collect(),
             heard: alloc::vec![None; program.slots.len()],
             messages: alloc::vec![(0, 0); program.topics.len()],
         }
@@ -80,6 +89,17 @@ impl Piece {
         for (instances, plan) in self.groups.iter_mut().zip(&program.groups) {
             instances.for_each(|core, _| core.measure(plan, &self.inputs, program.margin_limit));
         }
+    }
+
+    /// The last sample that the timeout let through.
+    pub(crate) fn last(&self) -> Option<i64> {
+        self.cut.or((self.newest != i64::MIN).then_some(self.newest))
+    }
+
+    /// A sample comes that the timeout does not let through.
+    pub(crate) fn time_out(&mut self, now: i64) {
+        self.cut = self.last();
+        self.newest = now;
     }
 
     #[inline]
@@ -94,7 +114,7 @@ impl Piece {
     #[inline]
     pub(crate) fn is_absurd(&self, program: &Program, now: i64) -> bool {
         let Clock::Rate(rate) = program.clock else { return false };
-        match (self.last, self.t0) {
+        match (self.last(), self.t0) {
             (Some(last), Some(_)) => (i128::from(now) - i128::from(last)) * i128::from(rate) > TICKS * 1_000_000_000,
             _ => false,
         }
@@ -122,16 +142,17 @@ impl Piece {
     pub(crate) fn take(&mut self, program: &Program, sample: Sample<'_>, tell: &mut impl Observer) {
         let now = sample.time.0;
         self.newest = now;
-        self.last = Some(now);
+        let mut waits = false;
         if !matches!(sample.what, What::Other) {
+            // A rate and a timeout count from the first one.
+            waits = self.t0.is_none() || program.clock != Clock::Events;
             self.t0.get_or_insert(now);
             self.take_in(program, sample);
-            // Nothing that could happen by itself has changed where nothing was stepped.
-            if program.clock == Clock::Events && !self.instant(program, now, tell) && now < self.quiet_until {
-                return;
+            if program.clock == Clock::Events {
+                waits |= self.instant(program, now, tell);
             }
         }
-        if self.is_timed {
+        if self.is_timed && (waits || now >= self.quiet_until) {
             self.quiet_until = self.look_ahead(program);
         }
     }
@@ -217,6 +238,7 @@ impl Piece {
                 if core.walk.next_flip(&plan.at, &self.inputs) == Some(at) {
                     core.walk.pass_flips(&plan.at, at);
                     if is_new {
+                        core.catch_up(plan, self.instants, self.last_instant);
                         core.advance(plan, &self.inputs, at, tell);
                         let (due, limit) = (self.inputs.due[number].ops, program.open_limit);
                         core.step_any((plan, automaton), &self.inputs, due, at, limit, tell);
@@ -224,64 +246,73 @@ impl Piece {
                 }
             });
         }
+        self.disturb();
         self.inputs.end_instant();
     }
 
-    /// An instant that all share. Returns whether anything was stepped at it.
+    /// Nobody knows any more until when groups rest.
+    fn disturb(&mut self) {
+        self.calm_until = NOW;
+        self.calm.fill(NOW);
+    }
+
+    /// An instant that all share. Returns whether what happens next by itself may be something else now.
     #[inline]
     fn instant(&mut self, program: &Program, now: i64, tell: &mut impl Observer) -> bool {
+        let mut waits = false;
         // PERF: most instants of most recordings change nothing that matters; where all rest they cost no more than this.
-        let wakes = self.inputs.woken || now >= self.calm_until;
-        if wakes {
-            let letter = self.inputs.due.first().map_or(0, |due| due.letter);
-            if self.glide(program, now, letter, tell) {
-                self.inputs.settle();
-            } else {
-                self.step(program, now, tell);
-            }
+        if self.inputs.woken || now >= self.calm_until {
+            waits = self.step_alone(program, now, tell).unwrap_or_else(|| self.step(program, now, tell));
         }
         self.instants += 1;
         self.last_instant = now;
         tell.output(&self.inputs, Output::Instant(Time(now)));
         self.inputs.end_instant();
-        wakes
+        waits
     }
 
-    /// An instant of the only group of a program without machines, where all that it takes is a move of the automaton that is known. Returns
-    /// whether that was so; else nothing has happened. Before the move the signals take in what makes the letter.
+    /// An instant of the only group of a program without machines, where it rests: whether it waits for anything. Else nothing has happened.
     #[inline(always)]
-    pub(crate) fn glide(&mut self, program: &Program, now: i64, letter: u32, tell: &mut impl Observer) -> bool {
-        let Some((plan, automaton, core)) = only(&program.groups, &mut self.groups) else { return false };
-        let (Some(alphabet), []) = (plan.alphabet(), &self.machines[..]) else { return false };
+    fn step_alone(&mut self, program: &Program, now: i64, tell: &mut impl Observer) -> Option<bool> {
+        let (plan, automaton, core) = only(&program.groups, &mut self.groups)?;
+        if !core.rests() || !self.machines.is_empty() {
+            return None;
+        }
+        let due = self.inputs.settle();
         let when = When { now, number: self.instants, before: self.last_instant };
-        let Some(known) = core.known_move((automaton, alphabet), letter, when) else { return false };
-        self.calm_until = core.follow(plan, &self.inputs, known, when, tell);
-        true
+        self.calm_until = core.step_at_rest((plan, automaton), &self.inputs, due, when, tell);
+        Some(plan.waits())
     }
 
-    /// The machines and the groups take an instant in, but for those that rest.
+    /// The machines and the groups take an instant in, but for those that rest. Returns whether one of those that did waits for anything.
     #[inline(never)]
-    fn step(&mut self, program: &Program, now: i64, tell: &mut impl Observer) {
+    fn step(&mut self, program: &Program, now: i64, tell: &mut impl Observer) -> bool {
         let mut calm_until = i64::MAX;
-        if !self.machines.is_empty() {
+        let mut waits = !self.machines.is_empty();
+        if waits {
             self.step_machines(program, now, tell);
             calm_until = NOW;
         }
         self.inputs.woken = false;
         let when = When { now, number: self.instants, before: self.last_instant };
-        for (number, (instances, plan)) in self.groups.iter_mut().zip(&program.groups).enumerate() {
+        let groups = self.groups.iter_mut().zip(&program.groups).zip(&mut self.calm).enumerate();
+        for (number, ((instances, plan), calm)) in groups {
             let due = core::mem::take(&mut self.inputs.due[number]);
-            if !plan.at.slices.is_empty() {
-                calm_until = NOW;
+            if due.ops != 0 || now >= *calm {
+                // Of the instances only those were asked that this instant concerns.
+                *calm = if plan.at.slices.is_empty() { i64::MAX } else { NOW };
+                instances.for_each_concerned(&plan.at, &self.inputs, |core, automaton| {
+                    if due.ops != 0 || now >= core.rests_until() {
+                        core.step((plan, automaton), &self.inputs, due, when, program.open_limit, tell);
+                    }
+                    *calm = (*calm).min(core.rests_until());
+                });
+                waits |= plan.waits();
             }
-            instances.for_each_concerned(&plan.at, &self.inputs, |core, automaton| {
-                if due.ops != 0 || now >= core.rests_until() {
-                    core.step((plan, automaton), &self.inputs, due, when, program.open_limit, tell);
-                }
-                calm_until = calm_until.min(core.rests_until());
-            });
+            calm_until = calm_until.min(*calm);
         }
         self.calm_until = calm_until;
+        waits
     }
 
     #[inline(never)]
@@ -301,7 +332,8 @@ impl Piece {
                 if is_alone {
                     let start_afresh = |core: &mut Core| core.start_afresh(plan, &self.inputs, instants, last);
                     self.groups[group].for_each_of(instance, start_afresh);
-                    self.calm_until = NOW;
+                    self.disturb();
+                    self.inputs.row = Row::NONE;
                 }
                 is_alone
             }
@@ -315,7 +347,7 @@ impl Piece {
 
     /// The outcome of every property.
     pub(crate) fn finish(&mut self, program: &Program, ending: &Ending, tell: &mut impl Observer) -> Vec<Outcome> {
-        let last = self.last.unwrap_or_default();
+        let last = self.last().unwrap_or_default();
         while let Some(tick) = self.next_tick(program).filter(|&tick| tick <= last) {
             self.tick(program, tick, tell);
         }
@@ -337,6 +369,11 @@ impl Piece {
         }
         (0..program.properties.len()).flat_map(|p| self.judge(program, p, ending)).collect()
     }
+}
+
+/// Whether a property minds a silence.
+fn minds(program: &Program, of: Read) -> bool {
+    program.properties.iter().flat_map(|property| &property.stale).any(|silence| silence.of == of)
 }
 
 /// Whether anything in a program happens by the mere passing of time.

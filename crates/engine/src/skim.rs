@@ -1,84 +1,117 @@
-//! Rows of truth values, for a program that is one automaton over them: most rows are taken in by comparing them with the row before, as
+//! Rows of truth values, for a program that is one group which rests: most rows are taken in by comparing them with the row before, as
 //! a word.
 
 use lapwing_stream::{Time, Value};
 
+use crate::group::When;
+use crate::inputs::Due;
+use crate::instances::{Instances, only};
 use crate::outcome::{Observer, Output};
 use crate::piece::Piece;
-use crate::program::{Column, Program, bits};
+use crate::program::{Column, Program, Skim, bits};
 
-/// The latest row, a bit for each column and [`Row::MARK`], where all of its cells are truth values; else zero.
+/// The latest row, where all of its cells are truth values: a bit for each column, and one above them that tells it from none.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(crate) struct Row(u64);
 
 impl Row {
-    /// What tells a row from none.
-    const MARK: u64 = 1 << Self::COLUMNS;
+    /// No row, or one that has to be taken in as any other.
+    pub const NONE: Row = Row(0);
     /// The most columns of a row.
-    pub const COLUMNS: u32 = u64::BITS - 1;
+    pub const COLUMNS: usize = u64::BITS as usize - 1;
 
-    /// A row whose cells are truth values, at most so many.
+    /// The row of these cells.
     #[inline(always)]
     fn of(columns: &[Column], cells: &[Value]) -> Option<Row> {
-        let mut word = Self::MARK;
-        for (i, column) in columns.iter().enumerate() {
+        let mut word = 1;
+        for column in columns.iter().rev() {
             let Some(Value::Bool(is)) = cells.get(column.cell) else { return None };
-            word |= u64::from(*is) << i;
+            word = (word << 1) | u64::from(*is);
         }
         Some(Row(word))
     }
 }
 
 impl Piece {
-    /// Takes a row in, at an instant of its own, if all that it takes is a move of the automaton that is known. Returns whether that was so;
-    /// else it has to be taken in as any other.
+    /// Takes a row in, at an instant of its own, where that takes no more than a step of a group that rests. Returns whether that was so; else
+    /// nothing has happened, and it has to be taken in as any other.
     // PERF: what `take` does, of which nothing is left out but what such a program does not have.
     #[inline(always)]
     pub(crate) fn skim(&mut self, program: &Program, now: i64, cells: &[Value], tell: &mut impl Observer) -> bool {
-        if program.letters.is_empty() {
+        let Some(skim) = &program.skim else { return false };
+        if now < self.newest {
             return false;
         }
-        let Some(row) = Row::of(&program.columns, cells) else {
-            self.inputs.row = Row::default();
-            return false;
-        };
-        let before = core::mem::replace(&mut self.inputs.row, row);
-        if (row != before || now >= self.calm_until)
-            && (before == Row::default() || !self.skim_change(program, now, row.0 ^ before.0, tell))
-        {
+        let Some(row) = Row::of(&program.columns, cells) else { return false };
+        let is_calm = now < self.calm_until;
+        if (row != self.inputs.row || !is_calm) && !self.skim_change(program, skim, row, (now, is_calm), tell) {
             return false;
         }
-        (self.newest, self.last, self.last_instant) = (now, Some(now), now);
+        (self.newest, self.last_instant) = (now, now);
         self.instants += 1;
         tell.output(&self.inputs, Output::Instant(Time(now)));
         true
     }
 
-    /// A row in which these columns toggle, or at which a bound may run out.
+    /// A row that is another, or at which a bound may run out where it is not calm.
     #[inline(always)]
-    fn skim_change(&mut self, program: &Program, now: i64, changed: u64, tell: &mut impl Observer) -> bool {
-        if self.inputs.woken {
+    fn skim_change(
+        &mut self,
+        program: &Program,
+        skim: &Skim,
+        row: Row,
+        (now, is_calm): (i64, bool),
+        tell: &mut impl Observer,
+    ) -> bool {
+        let Piece { inputs, groups, last_instant, calm_until, .. } = self;
+        if inputs.row == Row::NONE {
             return false;
         }
-        let letter = toggle(program, changed, &mut self.inputs.slots);
-        let is_known = self.glide(program, now, letter, tell);
-        if !is_known {
-            // As it was: what takes the row in as any other finds out what changed.
-            toggle(program, changed, &mut self.inputs.slots);
+        let toggled = row.0 ^ inputs.row.0;
+        inputs.row = row;
+        for slot in bits(toggled) {
+            if let Some(Value::Bool(is)) = inputs.slots.get_mut(slot) {
+                *is = !*is;
+            }
         }
-        is_known
+        let due = skim.due(toggled);
+        if is_calm
+            && let Some((core, automaton)) = groups.first_mut().and_then(Instances::alone)
+            && let Some(glided) = core.walk.glide(automaton, due.letter, now, *last_instant)
+        {
+            *calm_until = glided.quiet_until;
+            if !skim.is_same(glided.from, glided.to) {
+                self.turn(program, glided.from, now, tell);
+            }
+        } else {
+            self.step_row(program, due, now, tell);
+        }
+        true
     }
-}
 
-/// Toggles the signals of some columns, and gives the letter that they make.
-#[inline(always)]
-fn toggle(program: &Program, changed: u64, slots: &mut [Value]) -> u32 {
-    let mut letter = 0;
-    for i in bits(changed) {
-        letter ^= program.letters[i];
-        if let Some(Value::Bool(is)) = slots.get_mut(program.columns[i].slot) {
-            *is = !*is;
+    /// A row at which a verdict changes; until it the registers' `word` held.
+    #[inline(never)]
+    fn turn(&mut self, program: &Program, word: u64, now: i64, tell: &mut impl Observer) {
+        let when = When { now, number: self.instants, before: self.last_instant };
+        if let Some((plan, _, core)) = only(&program.groups, &mut self.groups) {
+            core.turn(plan, &self.inputs, when, word, tell);
         }
     }
-    letter
+
+    /// A row at which more happens than a move of the automaton that is known.
+    #[inline(never)]
+    fn step_row(&mut self, program: &Program, due: Due, now: i64, tell: &mut impl Observer) {
+        let when = When { now, number: self.instants, before: self.last_instant };
+        if let Some((plan, automaton, core)) = only(&program.groups, &mut self.groups) {
+            self.calm_until = core.step_at_rest((plan, automaton), &self.inputs, due, when, tell);
+        }
+    }
+
+    /// Remembers a row that is going to be stepped, if the next ones can be compared with it: then and as long as nothing else comes, the group
+    /// rests, and the slots hold what the row says.
+    pub(crate) fn note_row(&mut self, program: &Program, cells: &[Value]) {
+        let core = only(&program.groups, &mut self.groups).filter(|(_, _, core)| core.rests());
+        let row = core.zip(program.skim.as_ref()).and_then(|_| Row::of(&program.columns, cells));
+        self.inputs.row = row.unwrap_or(Row::NONE);
+    }
 }

@@ -8,12 +8,12 @@ use alloc::vec::Vec;
 
 use serde::{Deserialize, Serialize};
 
-use crate::automaton::{Automaton, Move, Place, expired};
+use crate::automaton::{Automaton, Place, expired};
 use crate::inputs::Inputs;
 use crate::latest::Latest;
 use crate::node::{Notes, View};
 use crate::pack::packed;
-use crate::past::{self, Here, Memory, NOW, Registers, Scene};
+use crate::past::{self, Here, Memory, NOW, Registers, Scene, Stepped};
 use crate::program::{Alphabet, Positions, Wiring, bits};
 
 /// Where a machine or a group stands in its positions.
@@ -44,6 +44,15 @@ pub(crate) struct Walk {
 }
 
 packed!(Walk { started, waited, registers, memories, latest, last, again, alarm, notes, faults, flips } without { place });
+
+/// A move that was made.
+pub(crate) struct Glide {
+    /// The word of all registers before it, and after.
+    pub from: u64,
+    pub to: u64,
+    /// Before when nothing is due as long as no signal changes.
+    pub quiet_until: i64,
+}
 
 impl Walk {
     /// `inputs` are those before anything has come.
@@ -128,38 +137,33 @@ impl Walk {
         self.last = Some(here.now);
     }
 
-    /// The automaton's move for a position, where it is known and there is nothing else to do.
-    ///
-    /// The position before is the instant before, at `before`.
-    // PERF: the signals of most logical formulas are truth values, and most of their moves have been made before.
-    #[inline(always)]
-    pub fn known_move<'a>(
-        &mut self,
-        (automaton, alphabet): (&'a Automaton, &Alphabet),
-        letter: u32,
-        now: i64,
-        before: i64,
-    ) -> Option<&'a Move> {
-        if self.again != 0 || now.wrapping_sub(before).cast_unsigned() > alphabet.shortest {
-            return None;
-        }
-        if now >= self.alarm {
+    /// Whether nothing is due at a position but what signals make so. The position before is at `before`.
+    #[inline]
+    pub fn is_quiet(&mut self, alphabet: &Alphabet, now: i64, before: i64) -> bool {
+        if self.again == 0 && now >= self.alarm {
             let (over, next) = expired(alphabet, &self.latest, (now, before));
-            if over != 0 {
-                return None;
+            if over == 0 {
+                self.alarm = next;
             }
-            self.alarm = next;
         }
-        automaton.known(self.place, letter)
+        now < self.quiet_until()
     }
 
-    /// Makes a move that is known. Gives the word of all registers before it and after.
+    /// Makes the automaton's move for a position at which nothing is due but what makes the letter, where it is known and no bound has run out.
+    /// Else nothing has happened.
+    // PERF: the signals of most logical formulas are truth values, and most of their moves have been made before.
     #[inline(always)]
-    pub fn follow(&mut self, known: &Move, before: i64) -> (u64, u64) {
+    pub fn glide(&mut self, automaton: &Automaton, letter: u32, now: i64, before: i64) -> Option<Glide> {
         let Walk { place, latest, alarm, registers, .. } = self;
-        known.leave_marks(latest, before, alarm);
-        *place = known.to;
-        (core::mem::replace(&mut registers.bits[0], known.word), known.word)
+        let known = automaton.known(*place, letter)?;
+        let quiet_until = known.alarm(before, *alarm);
+        if now >= quiet_until {
+            return None;
+        }
+        known.leave_marks(latest, before);
+        (*alarm, *place) = (quiet_until, known.to);
+        let from = core::mem::replace(&mut registers.bits[0], known.word);
+        Some(Glide { from, to: known.word, quiet_until })
     }
 
     /// Runs what is due. All truth values are in one word.
@@ -194,15 +198,17 @@ impl Walk {
         (old, leaves): (u64, u64),
     ) -> u64 {
         let letter = alphabet.letter(old ^ leaves);
-        if let Some(known) = self.known_move((automaton, alphabet), letter, here.now, before) {
-            return self.follow(known, before).1;
+        if self.is_quiet(alphabet, here.now, before)
+            && let Some(glided) = self.glide(automaton, letter, here.now, before)
+        {
+            return glided.to;
         }
         let Walk { place, latest, alarm, .. } = self;
         let (over, next) = expired(alphabet, latest, (here.now, before));
         *alarm = next;
         let made = automaton.make(alphabet, &here.at.ops, latest, (old, leaves), over);
-        made.leave_marks(latest, before, alarm);
-        *place = made.to;
+        made.leave_marks(latest, before);
+        (*alarm, *place) = (made.alarm(before, *alarm), made.to);
         made.word
     }
 
@@ -216,14 +222,15 @@ impl Walk {
             due &= due - 1;
             let quick =
                 past::quick((i, &ops[i]), &mut self.latest, &here, self.last, &mut alarm, |of| of.in_word(word));
-            let bit = quick.unwrap_or_else(|| {
-                let (bit, next) = self.step(i, word, here);
+            let (bit, has_moved) = quick.map(|bit| (bit, false)).unwrap_or_else(|| {
+                let Stepped { holds, next, has_moved } = self.step(i, word, here);
                 self.again |= u64::from(next == NOW) << i;
                 alarm = if next == NOW { alarm } else { alarm.min(next) };
-                bit
+                (holds, has_moved)
             });
-            if ((word >> i) & 1 == 1) != bit {
-                word ^= 1 << i;
+            let is_other = ((word >> i) & 1 == 1) != bit;
+            word ^= u64::from(is_other) << i;
+            if is_other | has_moved {
                 due |= follow(i);
             }
         }
@@ -233,10 +240,13 @@ impl Walk {
 
     /// Evaluates an operator that is not quick.
     #[inline(never)]
-    fn step(&mut self, i: usize, word: u64, here: Here<'_>) -> (bool, i64) {
+    fn step(&mut self, i: usize, word: u64, here: Here<'_>) -> Stepped {
+        let (op, memory) = (&here.at.ops[i], &mut self.memories[i]);
+        if let Some(known) = past::delayed(op, memory, here.now, |of| of.in_word(word)) {
+            return known;
+        }
         let scene = Scene { here, before: self.last, notes: &self.notes };
-        let op = (i, &here.at.ops[i]);
-        let stepped = past::slow(op, &mut self.memories[i], &scene, &[word], &mut self.registers.values);
+        let stepped = past::slow((i, op), memory, &scene, &[word], &mut self.registers.values);
         note_fault(&self.notes, &mut self.faults, i);
         stepped
     }
@@ -249,8 +259,8 @@ impl Walk {
         let scene = Scene { here, before: self.last, notes };
         (*again, *alarm) = (0, i64::MAX);
         for (i, memory) in memories.iter_mut().enumerate() {
-            let (bit, next) = past::step(i, (memory, latest), &scene, bits, values);
-            past::set(bits, i, bit);
+            let Stepped { holds, next, .. } = past::step(i, (memory, latest), &scene, bits, values);
+            past::set(bits, i, holds);
             note_fault(notes, faults, i);
             match next {
                 NOW => *again |= 1_u64.checked_shl(i as u32).unwrap_or(0),
@@ -263,6 +273,12 @@ impl Walk {
     #[inline]
     pub fn word(&self) -> u64 {
         self.registers.bits[0]
+    }
+
+    /// Positions up to this time were passed over.
+    #[inline]
+    pub fn pass_over(&mut self, until: i64) {
+        self.last = self.last.max(Some(until));
     }
 
     /// Before when nothing is due as long as no signal changes.

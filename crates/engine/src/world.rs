@@ -197,10 +197,21 @@ fn nth(array: &Value, i: usize) -> Option<&Value> {
     }
 }
 
+/// The field of a record by its name, where it is most likely at that place.
+fn field<'a>(of: &'a Value, place: usize, name: &str) -> Option<&'a Value> {
+    match of {
+        Value::Record(fields) => match fields.get(place) {
+            Some((known, value)) if **known == *name => Some(value),
+            _ => of.field(name),
+        },
+        _ => None,
+    }
+}
+
 fn numbers<const N: usize>(of: &Value, names: [&str; N]) -> Option<[f64; N]> {
     let mut out = [0.0; N];
-    for (x, name) in out.iter_mut().zip(names) {
-        match of.field(name)? {
+    for (place, (x, name)) in out.iter_mut().zip(names).enumerate() {
+        match field(of, place, name)? {
             Value::Num(n) => *x = *n,
             _ => return None,
         }
@@ -210,14 +221,14 @@ fn numbers<const N: usize>(of: &Value, names: [&str; N]) -> Option<[f64; N]> {
 
 fn pose_of(value: &Value) -> Option<Pose> {
     Some(Pose {
-        position: numbers(value.field("position")?, ["x", "y", "z"])?,
-        turn: numbers(value.field("orientation")?, ["x", "y", "z", "w"])?,
+        position: numbers(field(value, 0, "position")?, ["x", "y", "z"])?,
+        turn: numbers(field(value, 1, "orientation")?, ["x", "y", "z", "w"])?,
     })
 }
 
 fn twist_of(value: &Value) -> Option<Twist> {
-    let part = |name| numbers(value.field(name)?, ["x", "y", "z"]);
-    Some((part("linear")?, part("angular")?))
+    let part = |place, name| numbers(field(value, place, name)?, ["x", "y", "z"]);
+    Some((part(0, "linear")?, part(1, "angular")?))
 }
 
 /// Parent, child, and the child's pose in the parent.

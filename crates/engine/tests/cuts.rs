@@ -72,5 +72,5 @@ fn limits_are_cuts_and_anything_else_is_not() {
     assert_eq!(cuts("a: x < 2 and y > 1\n"), [(1, 0), (1, 0)]);
     assert_eq!(cuts("a: abs(x) < 2\nb: x =={0.1} 1\n"), [(4, 0)]);
     assert_eq!(cuts("a: x < 2\nb: x < y\n"), [(1, 1), (0, 1)]);
-    assert_eq!(cuts("a: delta(x) < 2\n"), [(0, 0)]);
+    assert_eq!(cuts("a: delta(x) < 2\n"), [(0, 1)]);
 }

@@ -23,12 +23,13 @@ mod tests;
 use std::fmt;
 use std::sync::Arc;
 
-use lapwing_stream::{Name, Time};
+use lapwing_stream::{Name, Time, Value};
 
 use crate::cells::Cells;
 use crate::decode::MessageType;
 use crate::error::{Losses, Place, ReadError};
 use crate::met::Met;
+use crate::path::Path;
 
 /// A format of recordings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,6 +98,14 @@ pub(crate) trait Source: Send {
 
     /// The bytes of the current message; an error says why this one cannot be had.
     fn payload(&mut self) -> Result<&[u8], String>;
+
+    /// Whether it gives these fields of the messages of a channel by [`tell`](Source::tell), without bytes. Asked once for a channel.
+    fn tells(&mut self, _channel: usize, _fields: &[Path]) -> bool {
+        false
+    }
+
+    /// Overwrites values by the fields of the current message that its channel was asked for.
+    fn tell(&mut self, _values: &mut [Value]) {}
 
     /// Of rows only these signals are wanted, in this order. Called before the first row is read, or not at all.
     fn choose(&mut self, _signals: &[Name]) {}

@@ -87,6 +87,8 @@ struct Binding {
     decoder: Option<Decoder>,
     /// Whether the last two values are the stamp of the header.
     stamped: bool,
+    /// Whether the source tells the wanted fields without bytes.
+    told: bool,
 }
 
 /// An item before it is given.
@@ -208,6 +210,10 @@ impl Reader {
         }
         let nothing = Pulled { time, what: What::Message { channel, wanted: None } };
         let Some(binding) = self.bindings.get_mut(channel) else { return nothing };
+        if let (true, Some(wanted)) = (binding.told, binding.wanted) {
+            self.source.tell(&mut self.values[wanted]);
+            return Pulled { time, what: What::Message { channel, wanted: Some(wanted) } };
+        }
         let Some(decoder) = &mut binding.decoder else { return nothing };
         let values = match binding.wanted {
             Some(wanted) => &mut self.values[wanted],
@@ -244,7 +250,12 @@ impl Reader {
         if let (Err(why), Some(_)) = (&decoder, wanted) {
             self.losses.add_of(self.source.place(), &topic, format!("its messages are lost: {why}"));
         }
-        self.bindings.push(Binding { topic, wanted, fields: fields.len(), decoder: decoder.ok(), stamped });
+        let told =
+            wanted.is_some() && !self.by_header && decoder.is_ok() && self.source.tells(self.bindings.len(), fields);
+        if let (true, Some(wanted)) = (told, wanted) {
+            self.values[wanted].resize_with(fields.len(), Value::default);
+        }
+        self.bindings.push(Binding { topic, wanted, fields: fields.len(), decoder: decoder.ok(), stamped, told });
     }
 
     /// A decoder of the wanted fields, and whether it also reads the stamp of the header.

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use lapwing_record::{MessageType, Messages, Options as Reading, Recording};
-use lapwing_stream::Time;
+use lapwing_record::{MessageType, Messages, Options as Reading, Path, Recording};
+use lapwing_stream::{Time, Value};
 
 use crate::message::DefinitionMissing;
 use crate::outbox::Topic;
@@ -17,6 +17,14 @@ impl Messages for Simulation {
 
     fn payload(&mut self) -> &[u8] {
         Simulation::payload(self)
+    }
+
+    fn tells(&mut self, topic: usize, fields: &[Path]) -> bool {
+        Simulation::tells(self, topic, fields.iter().map(|path| path.to_string()))
+    }
+
+    fn tell(&mut self, values: &mut [Value]) {
+        Simulation::tell(self, values);
     }
 
     fn progress(&self) -> (u64, u64) {

@@ -1,12 +1,12 @@
 //! A run of a scenario: a world, the robots in it, and the messages that they publish, one after the other.
 
-use lapwing_stream::Time;
+use lapwing_stream::{Time, Value};
 
 use crate::base::Command;
 use crate::clock::{Clock, SECONDS, steps};
 use crate::drone::Drone;
 use crate::fault::{Fault, Faults, Order};
-use crate::message::{Cdr, Header, Kind, Message, Model, Placement, Quaternion, Transform, Twist};
+use crate::message::{Cdr, Field, Header, Kind, Message, Model, Placement, Quaternion, Transform, Twist, field};
 use crate::outbox::{Content, Outbox, Publication, Topic, Topics};
 use crate::pose::Pose;
 use crate::random::Random;
@@ -43,6 +43,8 @@ pub struct Simulation {
     truth: Truth,
     current: Option<Publication>,
     cdr: Cdr,
+    /// For each topic of which somebody wants to be told fields: which.
+    told: Vec<Vec<Field>>,
 }
 
 /// What the simulator itself publishes.
@@ -90,6 +92,7 @@ impl Simulation {
             truth,
             current: None,
             cdr: Cdr::default(),
+            told: Vec::new(),
         }
     }
 
@@ -150,6 +153,23 @@ impl Simulation {
             Some(content) => self.message(content).encode(&mut self.cdr),
         }
         self.cdr.bytes()
+    }
+
+    /// Whether it can tell these fields of the messages of a topic as they are, without bytes: from then on [`tell`](Simulation::tell) does.
+    pub fn tells(&mut self, topic: usize, paths: impl Iterator<Item = String>) -> bool {
+        let Some(kind) = self.topics().get(topic).map(|topic| topic.kind) else { return false };
+        let Some(fields) = paths.map(|path| field(kind, &path)).collect() else { return false };
+        self.told.resize_with(self.topics().len(), Vec::new);
+        self.told[topic] = fields;
+        true
+    }
+
+    /// Overwrites values by the fields of the message that [`advance`](Simulation::advance) went to, of those that its topic was asked for.
+    pub fn tell(&mut self, values: &mut [Value]) {
+        let Some(Publication { topic, content }) = self.current.take() else { return };
+        let message = self.message(content);
+        let fields = self.told.get(topic).map_or(&[][..], Vec::as_slice);
+        fields.iter().zip(values).for_each(|(field, value)| field(&message, value));
     }
 
     fn message(&self, content: Content) -> Message {

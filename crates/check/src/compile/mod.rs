@@ -39,7 +39,7 @@ pub fn compile(spec: &checked::Spec) -> engine::Program {
             .collect(),
         topics: topics(spec),
         columns: columns(spec),
-        letters: Vec::new(),
+        skim: None,
         objects: spec.objects.iter().enumerate().map(|(i, o)| object(spec, i, o)).collect(),
         events: spec.events.iter().map(|e| event(e, &mut counters)).collect(),
         machines: machine::machines(spec, &mut counters),

@@ -67,7 +67,7 @@ impl Signal {
 }
 
 /// What an expression without signals comes to, where that is a number.
-fn constant(at: &Positions, node: NodeId) -> Option<f64> {
+pub(super) fn constant(at: &Positions, node: NodeId) -> Option<f64> {
     let value = match at.nodes.get(node as usize)? {
         Node::Num(x) => *x,
         Node::Neg(of) => -constant(at, *of)?,

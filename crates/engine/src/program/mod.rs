@@ -4,11 +4,13 @@ mod asked;
 mod code;
 mod cuts;
 mod formula;
+mod skim;
 mod wiring;
 
 pub use code::*;
 pub use cuts::Cut;
 pub use formula::*;
+pub use skim::Skim;
 pub use wiring::*;
 
 use alloc::string::String;
@@ -40,10 +42,9 @@ pub struct Program {
     pub topics: Vec<Topic>,
     /// Which cell of a row fills which slot.
     pub columns: Vec<Column>,
-    /// For each column the letter that it makes, where all of the program is one automaton over rows of truth values; else there are none.
-    /// [`Program::link`] fills it.
+    /// How rows of truth values are taken in at a glance, where that is possible. [`Program::link`] fills it.
     #[serde(skip)]
-    pub letters: Vec<u32>,
+    pub skim: Option<Skim>,
     /// The objects of the ground truth.
     pub objects: Vec<Object>,
     /// The events.
@@ -96,6 +97,9 @@ pub struct Topic {
     pub events: Vec<usize>,
     /// The longest window in which its messages are counted.
     pub window: Option<Duration>,
+    /// What its messages make due whatever is in them. [`Program::link`] fills it.
+    #[serde(skip)]
+    pub wakes: Vec<Wake>,
 }
 
 /// An object of the ground truth and the slots that its parts fill: position 3, quaternion 4 (x, y, z, w), linear 3, angular 3.

@@ -3,10 +3,10 @@
 use alloc::vec::Vec;
 
 use crate::latest::over;
-use crate::skim::Row;
 
-use super::cuts::{Cut, cuts};
-use super::{At, Clock, Column, Group, Judged, Node, NodeId, Op, Positions, Program, Slot, Tracker};
+use super::cuts::{Cut, constant, cuts};
+use super::skim::Skim;
+use super::{At, Group, Judged, Node, NodeId, Op, Positions, Program, Slot, Tracker};
 
 /// So many operators have a bit each. Where there are more, all of them run at every position.
 const BITS: usize = u64::BITS as usize;
@@ -20,6 +20,8 @@ pub struct Wiring {
     pub always: u64,
     /// Those of which a bound may run out.
     pub timed: u64,
+    /// Those of which an age may pass a limit.
+    pub aged: u64,
     /// Those that read nothing but signals.
     pub leaves: u64,
     /// How the others follow from the leaves, where they are an automaton.
@@ -38,8 +40,6 @@ pub struct Alphabet {
     pub timed: u64,
     /// For each operator the distance at which its bound has run out, in nanoseconds; [`u64::MAX`] for never.
     pub over: Vec<u64>,
-    /// The shortest of the bounds: between positions that lie no further apart none runs out unheard.
-    pub shortest: u64,
 }
 
 impl Alphabet {
@@ -96,10 +96,15 @@ impl Program {
     /// position.
     pub fn link(&mut self) {
         self.slots.iter_mut().for_each(|slot| *slot = Slot { default: slot.default.take(), ..Slot::default() });
+        self.topics.iter_mut().for_each(|topic| topic.wakes.clear());
         for (number, group) in self.groups.iter_mut().enumerate() {
             let wired = wire(&group.at);
             if let Some(wired) = &wired {
                 wired.wake(&group.at, number, &mut self.slots);
+                for &(topic, ops) in &wired.topics {
+                    let wake = Wake { group: number, ops, letter: Wake::NO_LETTER };
+                    self.topics.get_mut(topic).into_iter().for_each(|topic| topic.wakes.push(wake));
+                }
             }
             group.ask();
             group.at.wiring = wired.map(|w| w.wiring);
@@ -108,26 +113,7 @@ impl Program {
             group.verdicts = if group.rests { group.verdicts() } else { 0 };
         }
         self.slots.iter_mut().for_each(|slot| slot.cuts.sort_by(|a, b| a.at.total_cmp(&b.at)));
-        self.letters = self.letters().unwrap_or_default();
-    }
-
-    /// The letters of the columns, where each toggles bits of one automaton's letters and nothing else.
-    fn letters(&self) -> Option<Vec<u32>> {
-        let [group] = &self.groups[..] else { return None };
-        let waits = self.clock != Clock::Events || self.timeout.is_some() || !self.machines.is_empty();
-        let minds = self.counts_values() || self.properties.iter().any(|property| !property.stale.is_empty());
-        if waits || minds || !group.rests || group.alphabet().is_none() || self.columns.len() > Row::COLUMNS as usize {
-            return None;
-        }
-        let mut slots: Vec<usize> = self.columns.iter().map(|column| column.slot).collect();
-        slots.sort_unstable();
-        slots.dedup();
-        let letter = |column: &Column| match &self.slots.get(column.slot)?.wakes[..] {
-            [] => Some(0),
-            [wake] => Some(wake.letter).filter(|letter| *letter != Wake::NO_LETTER),
-            _ => None,
-        };
-        if slots.len() == self.columns.len() { self.columns.iter().map(letter).collect() } else { None }
+        self.skim = Skim::of(self);
     }
 
     /// Whether something asks how often a signal got a value.
@@ -154,9 +140,14 @@ impl Group {
         self.trackers.iter().fold(0, |all, tracker| all | of(tracker))
     }
 
+    /// Whether anything happens to it by the mere passing of time, beside that operators become due.
+    pub(crate) fn waits(&self) -> bool {
+        !self.futures.is_empty() || !self.at.ages.is_empty()
+    }
+
     /// Whether, where no operator is due, a position need only be counted.
     fn may_rest(&self) -> bool {
-        let untimed = self.at.alphabet.is_none() && self.at.ages.is_empty() && self.at.slices.is_empty();
+        let untimed = self.at.alphabet.is_none() && self.at.slices.is_empty();
         // An obligation that stops arising at some distance from the start would be a change that nothing announces.
         let steady = self.trackers.iter().all(|t| matches!(t.at, At::First | At::All));
         let still = self.at.wiring.as_ref().is_some_and(|wiring| wiring.always == 0);
@@ -164,11 +155,28 @@ impl Group {
     }
 }
 
+/// The topic whose age a comparison compares with a constant, where what it comes to changes only with a message, and at the distances from
+/// it that are listed.
+fn aged(at: &Positions, node: &Node) -> Option<usize> {
+    let Node::Compare { margin, left, right, .. } = node else { return None };
+    let is_constant = |node: NodeId| constant(at, node).is_some();
+    let topic = |node: NodeId| match at.nodes.get(node as usize)? {
+        Node::Age(topic) => Some(*topic),
+        _ => None,
+    };
+    let (topic, other) = topic(*left).map(|t| (t, *right)).or_else(|| topic(*right).map(|t| (t, *left)))?;
+    let is_steady = margin.is_none_or(is_constant) && is_constant(other) && at.alphabet.is_none();
+    let is_listed = at.ages.iter().any(|age| age.topic == topic);
+    (is_steady && is_listed).then_some(topic)
+}
+
 /// The wiring of some positions, and for each slot that is read the operators that read it; those among them that only compare it with
 /// constants, each with its slot and the numbers at which its truth changes.
 struct Wired {
     wiring: Wiring,
     slots: Vec<(usize, u64)>,
+    /// The topics whose messages make operators due.
+    topics: Vec<(usize, u64)>,
     comparisons: Vec<(usize, u64, Vec<f64>)>,
 }
 
@@ -177,13 +185,14 @@ fn wire(at: &Positions) -> Option<Wired> {
         return None;
     }
     let wiring = Wiring { readers: alloc::vec![0; at.ops.len()], ..Wiring::default() };
-    let mut wired = Wired { wiring, slots: Vec::new(), comparisons: Vec::new() };
+    let mut wired = Wired { wiring, slots: Vec::new(), topics: Vec::new(), comparisons: Vec::new() };
     for (i, op) in at.ops.iter().enumerate() {
         wired.op(at, 1 << i, op);
         wired.comparisons.extend(cuts(at, op).map(|(slot, changes)| (slot, 1 << i, changes)));
     }
     let inner = wired.wiring.readers.iter().fold(0, |all, readers| all | readers);
-    wired.wiring.leaves = expressions(at) & !inner;
+    // What an age makes due comes with the bounds that run out.
+    wired.wiring.leaves = expressions(at) & !inner & !wired.wiring.aged;
     wired.wiring.alphabet = alphabet(at, &wired.wiring);
     Some(wired)
 }
@@ -197,12 +206,12 @@ fn expressions(at: &Positions) -> u64 {
 /// The alphabet, where the operators make an automaton.
 fn alphabet(at: &Positions, wiring: &Wiring) -> Option<Alphabet> {
     let width = wiring.leaves.count_ones() as usize;
-    if width > LETTERS {
+    if width > LETTERS || wiring.aged != 0 {
         return None;
     }
     let places = alloc::vec![0; at.ops.len()];
     let overs = alloc::vec![u64::MAX; at.ops.len()];
-    let mut alphabet = Alphabet { width, shortest: u64::MAX, places, over: overs, timed: wiring.timed };
+    let mut alphabet = Alphabet { width, places, over: overs, timed: wiring.timed };
     let mut next = 1;
     for (i, op) in at.ops.iter().enumerate() {
         match op {
@@ -213,7 +222,6 @@ fn alphabet(at: &Positions, wiring: &Wiring) -> Option<Alphabet> {
             Op::And(..) | Op::Iff(..) => {}
             Op::OnceWithin(most, _) | Op::SinceWithin(most, ..) => {
                 alphabet.over[i] = over(*most);
-                alphabet.shortest = alphabet.shortest.min(over(*most) - 1);
             }
             _ => return None,
         }
@@ -262,6 +270,8 @@ impl Wired {
                 [a, b].into_iter().for_each(|bit| self.reads(bit.register(), me));
                 self.wiring.timed |= me;
             }
+            // What they look back at is due, and so are they until that has settled.
+            Op::Delta(node) | Op::Lookback(node, _) if at.alphabet.is_none() => self.reads_node(at, *node, me),
             // An event is over with its instant.
             Op::Event(_) => self.wiring.always |= me,
             // They take in every position.
@@ -291,10 +301,11 @@ impl Wired {
             match node {
                 Node::Slot(slot) => self.reads_slot(*slot, me),
                 Node::Bit(bit) => self.reads(bit.register(), me),
-                // A value is filled anew at every position.
-                Node::Reg(register) => {
-                    self.reads(*register as usize, me);
-                    self.wiring.always |= me;
+                Node::Reg(register) => self.reads(*register as usize, me),
+                Node::Compare { .. } if let Some(topic) = aged(at, node) => {
+                    self.topics.push((topic, me));
+                    self.wiring.timed |= me;
+                    self.wiring.aged |= me;
                 }
                 Node::Event(_)
                 | Node::EventField { .. }

@@ -9,12 +9,16 @@ use lapwing_stream::{Sample, Time, Value, What};
 
 /// The program of a specification over these columns.
 pub fn program(text: &str, columns: &[&str]) -> Program {
+    let columns = columns.iter().map(|column| column.to_string()).collect();
+    program_over(text, &TraceShape { columns, schemaless: true, ..TraceShape::default() })
+}
+
+/// The program of a specification over a trace of that shape.
+pub fn program_over(text: &str, shape: &TraceShape) -> Program {
     let mut sources = SourceMap::default();
     let file = sources.add("test.rv", text);
     let loaded = load(&mut sources, lapwing_syntax::parse(file, text).file, &|_| None);
-    let columns = columns.iter().map(|column| column.to_string()).collect();
-    let shape = TraceShape { columns, schemaless: true, ..TraceShape::default() };
-    let checked = check(&sources, &loaded, Some(&shape));
+    let checked = check(&sources, &loaded, Some(shape));
     assert!(!checked.has_errors(), "{text}: {:?}", checked.diagnostics);
     compile(&checked.spec)
 }
@@ -54,14 +58,18 @@ pub fn clock(seed: u64) -> impl FnMut() -> i64 {
 
 /// All that is told, in words, with the signals then, and the outcomes; saved and resumed now and then.
 pub fn run<const N: usize>(program: &Program, rows: &[(i64, [Value; N])]) -> (Vec<String>, String) {
+    run_samples(program, rows.iter().map(|(time, cells)| (Time(*time), What::Row { cells })))
+}
+
+/// The same of samples of any kind.
+pub fn run_samples<'s>(program: &Program, samples: impl Iterator<Item = (Time, What<'s>)>) -> (Vec<String>, String) {
     let (mut state, mut told) = (State::new(program), Vec::new());
-    for (n, (time, cells)) in rows.iter().enumerate() {
-        let time = Time(*time);
+    for (n, (time, what)) in samples.enumerate() {
         let mut tell = |inputs: &Inputs, output: Output<'_>| {
             let seen: Vec<_> = (0..program.slots.len()).map(|slot| inputs.value(slot).clone()).collect();
             told.push(format!("{output:?} {seen:?}"));
         };
-        state.feed(program, Sample { time, what: What::Row { cells } }, &mut tell);
+        state.feed(program, Sample { time, what }, &mut tell);
         if n % 100 == 99 {
             state = State::resume(program, &state.save(program)).unwrap_or_else(|e| panic!("{e}"));
             state.feed(program, Sample { time, what: What::Other }, &mut tell);

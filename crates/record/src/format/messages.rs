@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use lapwing_stream::Time;
+use lapwing_stream::{Time, Value};
 
 use super::{Channel, Head, Source};
 use crate::decode::MessageType;
 use crate::definition::normal_name;
 use crate::error::{Losses, Place, Position, ReadError};
+use crate::path::Path;
 
 /// Messages that a program gives one by one, in the order in which they are published.
 pub trait Messages: Send {
@@ -17,6 +18,15 @@ pub trait Messages: Send {
 
     /// The bytes of that message. Only asked for where someone wants them, and then once.
     fn payload(&mut self) -> &[u8];
+
+    /// Whether it can tell these fields of the messages of a topic as they are, without bytes: then [`tell`](Messages::tell) is asked for
+    /// them in place of [`payload`](Messages::payload). They are fields that the type has. Asked once for a topic, before its first message.
+    fn tells(&mut self, _topic: usize, _fields: &[Path]) -> bool {
+        false
+    }
+
+    /// Overwrites values by the fields of that message that its topic was asked for: what decoding its bytes would give. Asked once.
+    fn tell(&mut self, _values: &mut [Value]) {}
 
     /// How much has been given, and of how much; the second is 0 where that is not known.
     fn progress(&self) -> (u64, u64);
@@ -53,6 +63,14 @@ impl Source for Program {
 
     fn payload(&mut self) -> Result<&[u8], String> {
         Ok(self.messages.payload())
+    }
+
+    fn tells(&mut self, channel: usize, fields: &[Path]) -> bool {
+        self.messages.tells(channel, fields)
+    }
+
+    fn tell(&mut self, values: &mut [Value]) {
+        self.messages.tell(values);
     }
 
     fn place(&self) -> Place {

@@ -2,11 +2,13 @@
 
 mod cdr;
 mod definition;
+mod fields;
 
 use lapwing_stream::Time;
 
 pub use cdr::Cdr;
 pub use definition::{Definition, DefinitionMissing, Kind};
+pub use fields::{Field, field};
 
 /// A point or a vector in space.
 pub type Vector = [f64; 3];
