@@ -28,6 +28,7 @@ use lapwing_genom::Model;
 use lapwing_genom::emit::{c_codels, fingerprint};
 
 pub use library::Library;
+pub use wire::{read_answer, write_call};
 
 #[cfg(unix)]
 pub use isolated::Isolation;
