@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use lapwing_components::{Answer, Call, Codels, Run, Setup, request};
+use lapwing_components::{Answer, Call, Codels, Happening, Run, Setup, request};
 use lapwing_genom::{Files, Model, Options, load};
 use lapwing_stream::Duration;
 
@@ -82,8 +82,8 @@ fn main() {
     println!("logical: {:.0} ns for each codel, {:.0} ns for each move", took * 1e9 / count, took * 1e9 / moves);
 
     let before = used();
-    let mut run = start(&model, SECONDS, true, &calls);
-    while run.advance().is_some() {}
+    let run = start(&model, SECONDS, true, &calls);
+    let (run, _) = run.carry_out(|_: &mut Run, _: &Happening| {});
     let core = (used() - before) / SECONDS as f64;
     let figures = run.figures();
     let (turns, missed): (u64, u64) = (figures.turns.values().sum(), figures.all_missed());

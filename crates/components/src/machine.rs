@@ -189,6 +189,11 @@ impl Machine {
         self.state.timers.peek().map(|Reverse((at, ..))| Time(*at))
     }
 
+    /// What waits for a time, each with its automaton; of a stay that is over there may be more.
+    pub fn timers(&self) -> impl Iterator<Item = (Time, usize)> {
+        self.state.timers.iter().map(|Reverse((at, _, automaton, _))| (Time(*at), *automaton))
+    }
+
     /// Takes an edge whose time has come by `now`, at its own time. `None` where there is none.
     pub fn tick(&mut self, now: Time) -> Option<(Time, Move)> {
         let Machine { wiring, state } = self;
