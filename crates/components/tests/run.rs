@@ -7,9 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
 use common::{all, all_real, count, lines, millis, model, setup, start};
-use lapwing_components::{
-    Answer, Call, Codels, Datum, Happening, Observer, Outcome, Run, Setup, TroubleKind, What,
-};
+use lapwing_components::{Answer, Call, Codels, Datum, Happening, Observer, Outcome, Run, Setup, TroubleKind, What};
 use lapwing_stream::Duration;
 
 /// A task that counts, and publishes what it has counted; another that reads it.
@@ -297,7 +295,12 @@ fn in_real_time_tasks_run_at_the_same_time_and_come_as_often_as_they_should() {
 fn in_real_time_an_observer_that_panics_ends_the_run() {
     let (model, _) = model(COUNTER);
     for wanted in ["first request", "first codel"] {
-        let run = start(&model, Setup { is_real: true, duration: None, ..Setup::default() }, counting(), "@0s Counter.Count()\n");
+        let run = start(
+            &model,
+            Setup { is_real: true, duration: None, ..Setup::default() },
+            counting(),
+            "@0s Counter.Count()\n",
+        );
         let panics = move |_: &mut Run, happening: &Happening| match happening.what {
             What::Requested { .. } if wanted == "first request" => panic!("the observer has had enough"),
             What::Returned { .. } if wanted == "first codel" => panic!("the observer has had enough"),

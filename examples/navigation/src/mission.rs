@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use lapwing::{Report, Spec};
-use lapwing_components::{Happening, Observer, Outcome, Recorder, Run, Setup, Teller, Types, Watch, What, request, stamp};
+use lapwing_components::{
+    Happening, Observer, Outcome, Recorder, Run, Setup, Teller, Types, Watch, What, request, stamp,
+};
 use lapwing_diag::{SourceMap, Style};
 use lapwing_genom::{Disk, Model, Options, load};
 use lapwing_sim::Pose;
