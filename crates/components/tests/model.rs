@@ -112,7 +112,7 @@ fn run(text: &str, seed: u64) -> Vec<(String, i64)> {
     let sink = Rc::new(RefCell::new(Vec::new()));
     let out: Sink<'_> = sink.clone();
     let host = standard(&out, Pace::Simulated).bind(&model).unwrap();
-    let options = lapwing_bip::Options { seed, limit: Some(2500), ..lapwing_bip::Options::default() };
+    let options = lapwing_bip::Options { seed, limit: Some(6000), ..lapwing_bip::Options::default() };
     let ending = lapwing_bip::Run::new(options, Simulated::default(), Log::new(out, Detail::Verbose)).run(model, host);
     assert_eq!(ending, lapwing_bip::Ending::Limit);
     let log = String::from_utf8(sink.borrow().clone()).unwrap();
@@ -190,7 +190,7 @@ fn a_run_of_the_model_and_the_specification_agree_on_every_violation() {
     let text = text(&model, &sources, &spec);
     let folder = tempfile::tempdir().unwrap();
     let mut all = BTreeMap::new();
-    for seed in 1..=4 {
+    for seed in 1..=6 {
         let chosen = run(&text, seed);
         let file = folder.path().join("run.ndjson");
         std::fs::write(&file, recording(&chosen)).unwrap();

@@ -81,17 +81,21 @@ impl<'d> Draft<'d> {
         name
     }
 
-    /// A connector type in which the first `size` take part together, and others join them where they can.
+    /// A connector type in which the first `size` take part together, and others join them. These join all at once: a monitor is always ready,
+    /// and each by itself would make twice as many interactions.
     fn broadcast(&mut self, size: usize, others: usize) -> String {
         let name = format!("Watched{size}_{others}");
         self.shape(&name, || {
-            let one = |number| PortExpr::synchron(parts::port_of(number));
-            let first = match size {
-                1 => PortExpr::trigger(parts::port_of(1)),
-                _ => PortExpr { kind: PortExprKind::Group((1..=size).map(one).collect()), is_trigger: true },
+            let together = |from: usize, to: usize, is_trigger: bool| {
+                let one = |number| PortExpr::synchron(parts::port_of(number));
+                match (from == to, is_trigger) {
+                    (true, true) => PortExpr::trigger(parts::port_of(from)),
+                    (true, false) => one(from),
+                    (false, _) => PortExpr { kind: PortExprKind::Group((from..=to).map(one).collect()), is_trigger },
+                }
             };
-            let joining = (size + 1..=size + others).map(one);
-            parts::connector_type(&name, size + others, std::iter::once(first).chain(joining).collect())
+            let all = vec![together(1, size, true), together(size + 1, size + others, false)];
+            parts::connector_type(&name, size + others, all)
         });
         name
     }
