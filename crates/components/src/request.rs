@@ -1,6 +1,7 @@
 //! Requests as they are written, on a line each: `LaserDriver.SetDelay(delay=0.2)`, and in a file with when they are made: `@1s …`.
 
 use std::fmt;
+use std::io::{BufRead, Read as _};
 
 use lapwing_diag::suggest::nearest;
 use lapwing_genom::model::{Direction, Model, Service, ServiceId, ServiceKind, Step, Type};
@@ -11,6 +12,9 @@ use crate::types::{MOST_PARTS, Shape, Types};
 
 /// Values inside values no deeper than this.
 const MOST_DEPTH: usize = 32;
+
+/// A line of a request that is read as it comes is no longer.
+const MOST_LINE: usize = 1 << 20;
 
 /// A request for a service.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,6 +76,53 @@ pub fn timed(model: &Model, types: &Types, line: &str, number: usize) -> Result<
     let request = reader.request(model, types)?;
     reader.end()?;
     Ok(Some((time, request)))
+}
+
+/// Lines as they come from somebody who is not known: of bytes that need not be text, and that need not end.
+pub struct Lines<R> {
+    from: R,
+    number: usize,
+}
+
+impl<R: BufRead> Lines<R> {
+    /// Those of a reader.
+    pub fn new(from: R) -> Lines<R> {
+        Lines { from, number: 0 }
+    }
+}
+
+impl<R: BufRead> Iterator for Lines<R> {
+    /// The number of a line, and the line, or what is wrong with it.
+    type Item = (usize, Result<String, RequestError>);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let mut bytes = Vec::new();
+        let most = MOST_LINE as u64 + 1;
+        let read = self.from.by_ref().take(most).read_until(b'\n', &mut bytes).ok().filter(|read| *read > 0)?;
+        self.number += 1;
+        let wrong = |message: String| Err(RequestError { line: self.number, column: 1, message });
+        let is_whole = bytes.ends_with(b"\n") || read <= MOST_LINE;
+        let line = match (is_whole, String::from_utf8(bytes)) {
+            (true, Ok(text)) => Ok(text.trim_end_matches(['\r', '\n']).to_owned()),
+            (true, Err(_)) => wrong("the line is no text in UTF-8".to_owned()),
+            (false, _) => {
+                pass_over(&mut self.from);
+                wrong(format!("the line has more than {MOST_LINE} bytes"))
+            }
+        };
+        Some((self.number, line))
+    }
+}
+
+/// Goes behind the end of a line.
+fn pass_over(from: &mut impl BufRead) {
+    while let Ok(bytes) = from.fill_buf() {
+        let (length, end) = (bytes.len(), bytes.iter().position(|b| *b == b'\n'));
+        from.consume(end.map_or(length, |end| end + 1));
+        if length == 0 || end.is_some() {
+            return;
+        }
+    }
 }
 
 /// Reads a file of requests, one on each line, in the order of their times; comments begin with `#`.

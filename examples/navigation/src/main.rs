@@ -78,6 +78,8 @@ fn tell(went: &Went, all: bool) {
     println!("GotoPosition: {goto}; the robot {bump}, and is at ({:.2}, {:.2})", went.pose.x, went.pose.y);
     println!("{} turns of tasks missed, {} codels overran", went.missed, went.overruns);
     for property in went.report.iter().flat_map(|r| &r.properties) {
-        println!("{}: {} ({} violations)", property.name, property.verdict.word(), property.violations.len());
+        let count = property.violations.len();
+        let plural = if count == 1 { "" } else { "s" };
+        println!("{}: {} ({count} violation{plural})", property.name, property.verdict.word());
     }
 }

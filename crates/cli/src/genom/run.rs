@@ -1,14 +1,15 @@
 //! `lapwing genom run`: components run, with codels or without, watched by specifications.
 
 use std::fs::File;
-use std::io::{self, BufRead, Write as _};
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::thread;
 
 use clap::Args;
 use lapwing_components::{
-    Client, Codels, Failure, Happening, Observer, Recorder, Run, Setup, Teller, Types, Watch, What, place, request, stamp,
+    Client, Codels, Failure, Happening, Observer, Recorder, Run, Setup, Teller, Types, Watch, What, place, request,
+    stamp,
 };
 use lapwing_diag::{SourceMap, Style};
 use lapwing_genom::mutex::Rules;
@@ -180,9 +181,10 @@ pub fn requests_of(path: &Path, model: &Model, types: &Types) -> Result<Vec<requ
 
 /// Makes requests as their lines come; a time before one is passed over.
 fn listen(client: &Client, model: &Model, types: &Types) {
-    for (number, line) in io::stdin().lock().lines().enumerate() {
-        let Ok(line) = line else { return };
-        match request::timed(model, types, &line, number + 1) {
+    let mut lines = request::Lines::new(io::stdin().lock());
+    while let Some((number, line)) = lines.next() {
+        let read = line.and_then(|line| request::timed(model, types, &line, number));
+        match read {
             Ok(Some((_, request))) => {
                 if !client.request(request) {
                     return;
