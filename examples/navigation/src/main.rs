@@ -65,7 +65,7 @@ fn main() -> ExitCode {
 }
 
 fn tell(went: &Went, all: bool) {
-    let words = ["violation", "ZeroSpeed", "write", "by Scan_Fail", "interrupt", "overrun"];
+    let words = ["violation", "ZeroSpeed", "write", "by Scan_Fail", "interrupt", "overrun", "failure"];
     let is_told = |line: &&String| all || words.iter().any(|word| line.contains(word));
     let told: Vec<&String> = went.log.iter().filter(is_told).collect();
     let most = if all { told.len() } else { 12 };

@@ -87,6 +87,8 @@ impl Mission {
             is_real: self.is_real,
             seed: self.seed,
             duration: Some(Duration::from_nanos((self.seconds * 1e9) as i64)),
+            // A scan that is held back does not hang: `SetDelay` takes up to 10 s.
+            patience: Duration::from_nanos(15_000_000_000),
             ..Setup::default()
         };
         let mut run = Run::new(model.clone(), setup, codels).map_err(|e| e.to_string())?;
