@@ -19,6 +19,8 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("format", texts::format),
     ("check", texts::check),
     ("gen", components::gen_file),
+    ("requests", components::requests),
+    ("wire", components::wire),
     ("mcap", files::mcap),
     ("bag", files::bag),
     ("db3", files::db3),

@@ -151,6 +151,12 @@ fn mutated_imports() {
 }
 
 #[test]
+fn mutated_requests_and_answers_of_codels() {
+    mutations_survive("requests", 500);
+    mutations_survive("wire", 1500);
+}
+
+#[test]
 fn samples_that_lie() {
     let mut random = Random(7);
     all_survive((0..600).map(|n: u64| {

@@ -150,21 +150,36 @@ impl<'a> Lexer<'a> {
         !follows_name && self.rest().as_bytes().get(1).is_some_and(u8::is_ascii_digit)
     }
 
+    /// A text, which may go over several lines. Without an end it is taken to end with its line, so that what follows is read all the same.
     fn text_literal(&mut self, start: usize) {
         let mut escaped = false;
         self.at += 1;
         let end = self.rest().find(|c| {
-            let ends = c == '\n' || (c == '"' && !escaped);
+            let ends = c == '"' && !escaped;
             escaped = c == '\\' && !escaped;
             ends
         });
-        self.at += end.unwrap_or(self.rest().len());
-        if self.rest().starts_with('"') {
-            self.at += 1;
+        if let Some(length) = end {
+            self.at += length + 1;
             return self.push(TokenKind::Text, start);
         }
-        self.report(Code::BadText, start, "this text has no closing quotation mark");
+        self.take_while(|c| c != '\n');
+        let span = self.span_from(start);
+        let mut diagnostic = Diagnostic::new(Code::BadText, span, "this text has no closing quotation mark");
+        if let Some(before) = self.first_of_several_lines() {
+            diagnostic =
+                diagnostic.also(before, "or this one, which goes over several lines, should have ended before");
+        }
+        self.lexed.diagnostics.push(diagnostic);
         self.push(TokenKind::Bad, start);
+    }
+
+    /// The first text before here that goes over several lines.
+    fn first_of_several_lines(&self) -> Option<Span> {
+        let is_broken =
+            |span: &Span| self.text.get(span.start as usize..span.end as usize).is_some_and(|text| text.contains('\n'));
+        let texts = self.lexed.tokens.iter().filter(|t| t.kind == TokenKind::Text);
+        texts.map(|t| t.span).find(is_broken)
     }
 
     fn sign(&mut self, start: usize, c: char) {

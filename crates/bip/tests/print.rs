@@ -58,6 +58,31 @@ fn brackets_where_they_are_needed() {
 }
 
 #[test]
+fn texts_have_the_escapes_of_c_and_go_over_lines() {
+    let text = |inside: &str| parse(FileId(0), &format!("package p const data string s = \"{inside}\" end"));
+    let read = |inside: &str| {
+        let parsed = text(inside);
+        assert!(parsed.diagnostics.is_empty(), "{inside}: {:?}", parsed.diagnostics);
+        let printed = print(&parsed.package);
+        assert_eq!(print(&parse(FileId(0), &printed).package), printed);
+        printed.lines().find_map(|l| l.trim().strip_prefix("const data string s = ")).unwrap_or_default().to_owned()
+    };
+    assert_eq!(read("one\ntwo"), r#""one\ntwo""#);
+    assert_eq!(read(r"a\x41\101\0\?\a"), r#""aAA\000?\007""#);
+    assert_eq!(read("joined \\\nagain \\\"quoted\\\""), r#""joined again \"quoted\"""#);
+    for wrong in [r"\q", r"\x", r"\400"] {
+        assert_eq!(text(wrong).diagnostics.first().map(|d| d.code.name()), Some("bad-text"), "{wrong}");
+    }
+}
+
+#[test]
+fn a_text_without_an_end_may_be_another() {
+    let parsed = parse(FileId(0), "package p\nconst data string s = \"a\nconst data string t = \"b\"\nend");
+    let found = parsed.diagnostics.iter().find(|d| d.code.name() == "bad-text").expect("a text has no end");
+    assert_eq!(found.secondary.len(), 1, "{found:?}");
+}
+
+#[test]
 fn comments_stand_in_front_of_what_they_speak_of() {
     let mut package = parse(FileId(0), "package p port type Go() end").package;
     package.notes = vec!["made of laser.gen".to_owned()];

@@ -80,21 +80,40 @@ impl Process {
         // From here on the process is ended and reaped wherever this ends.
         let mut process = Process { to, child, waiting, patience: isolation.patience, interface: None };
         let mut from = lock(&process.to).try_clone().map_err(|e| cannot(e.to_string()))?;
-        let hello = read_frame(&mut from).map_err(|silence| match silence {
-            Silence::Closed => cannot("it ended before it had loaded the library".to_owned()),
-            Silence::Garbled(why) => cannot(format!("what it says cannot be understood: {why}")),
-        })?;
+        let (hears, (says, hello)) = (process.waiting.clone(), mpsc::channel());
+        let work = move || {
+            let hello = read_frame(&mut from);
+            let goes_on = hello.is_ok();
+            if says.send(hello).is_ok() && goes_on {
+                listen(&mut from, &hears);
+            }
+        };
+        let named = thread::Builder::new().name(format!("codels of {component}"));
+        named.spawn(work).map_err(|e| cannot(e.to_string()))?;
+        // Loading a library may run code of its own, which can hang as codels can.
+        let hello = match hello.recv_timeout(isolation.patience) {
+            Ok(Ok(hello)) => hello,
+            Ok(Err(Silence::Closed)) | Err(RecvTimeoutError::Disconnected) => {
+                return Err(cannot("it ended before it had loaded the library".to_owned()));
+            }
+            Ok(Err(Silence::Garbled(why))) => {
+                return Err(cannot(format!("what it says cannot be understood: {why}")));
+            }
+            Err(RecvTimeoutError::Timeout) => {
+                drop(lock(&process.child).kill());
+                let waited = isolation.patience.as_secs_f64();
+                return Err(cannot(format!(
+                    "it has not loaded {} for {waited} s, and was ended: what the library does when it is loaded hangs, or needs more patience",
+                    library.display()
+                )));
+            }
+        };
         let hello = String::from_utf8_lossy(&hello).into_owned();
         process.interface = match hello.split_once(' ') {
             Some(("has", print)) => Some(print.to_owned()),
             Some(("error", why)) => return Err(LoadError(why.to_owned())),
             _ => None,
         };
-        let hears = process.waiting.clone();
-        thread::Builder::new()
-            .name(format!("codels of {component}"))
-            .spawn(move || listen(&mut from, &hears))
-            .map_err(|e| cannot(e.to_string()))?;
         Ok(process)
     }
 
@@ -194,7 +213,8 @@ fn listen(from: &mut UnixStream, waiting: &Mutex<Waiting>) {
     waiting.calls.clear();
 }
 
-pub(crate) fn read_frame(from: &mut UnixStream) -> Result<Vec<u8>, Silence> {
+/// Reads a frame, of which every byte may be wrong.
+pub(crate) fn read_frame(from: &mut impl Read) -> Result<Vec<u8>, Silence> {
     let mut length = [0; 4];
     from.read_exact(&mut length).map_err(|_| Silence::Closed)?;
     let length = u32::from_ne_bytes(length) as usize;
@@ -222,8 +242,12 @@ mod tests {
 
     /// A program of the shell that speaks to us on its standard input. It is given the library and the component as `$0` and `$1`.
     fn start(script: &str, library: &Path) -> Result<Process, LoadError> {
+        start_with(script, library, Duration::from_secs(600))
+    }
+
+    fn start_with(script: &str, library: &Path, patience: Duration) -> Result<Process, LoadError> {
         let arguments = ["-c", script].map(str::to_owned).to_vec();
-        let isolation = Isolation { program: "/bin/sh".into(), arguments, patience: Duration::from_secs(600) };
+        let isolation = Isolation { program: "/bin/sh".into(), arguments, patience };
         Process::start(&isolation, library, "C")
     }
 
@@ -246,6 +270,25 @@ mod tests {
                 assert!(trouble.message.contains(words), "{trouble}");
             }
         }
+    }
+
+    #[test]
+    fn a_process_that_says_nothing_is_not_waited_for_for_ever() {
+        let folder = tempfile::tempdir().unwrap();
+        let note = folder.path().join("pid");
+        let script = "echo $$ > \"$0\"; exec sleep 600";
+        let error = loop {
+            match start_with(script, &note, Duration::from_millis(300)) {
+                Ok(_) => panic!("it has said nothing"),
+                // A slow machine may have ended it before it had written its number.
+                Err(error) if std::fs::read_to_string(&note).is_ok_and(|pid| !pid.trim().is_empty()) => break error,
+                Err(_) => {}
+            }
+        };
+        assert!(error.0.contains("has not loaded") && error.0.contains("0.3 s"), "{error}");
+        let pid = std::fs::read_to_string(&note).unwrap();
+        let alive = Command::new("kill").args(["-0", pid.trim()]).stderr(Stdio::null()).status().unwrap();
+        assert!(!alive.success(), "{pid}");
     }
 
     #[test]

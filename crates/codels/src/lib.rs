@@ -28,6 +28,7 @@ use lapwing_genom::Model;
 use lapwing_genom::emit::{c_codels, fingerprint};
 
 pub use library::Library;
+pub use wire::{read_answer, write_call};
 
 #[cfg(unix)]
 pub use isolated::Isolation;
@@ -45,6 +46,12 @@ impl fmt::Display for LoadError {
 }
 
 impl std::error::Error for LoadError {}
+
+/// The frames of a conversation with another process, as far as it can be understood.
+#[cfg(unix)]
+pub fn frames(from: &mut impl std::io::Read) -> Vec<Vec<u8>> {
+    std::iter::from_fn(|| isolated::read_frame(from).ok()).collect()
+}
 
 /// Where the bytes of a call go, and those of its answer come from.
 trait Border: Send + Sync {

@@ -10,12 +10,15 @@ use lapwing_stream::Duration;
 /// Values inside values no deeper than this.
 const MOST_DEPTH: usize = 64;
 
-/// Writes a call.
+/// An answer has no more parts than bytes, and this many beside: elements may be structures without members, which take no byte.
+const MOST_EMPTY: usize = 1 << 20;
+
+/// Writes a call as the bytes that [`lapwing_genom::emit`] says.
 ///
 /// # Errors
 ///
 /// A value has no form in C, in words.
-pub(crate) fn write_call(call: &Call, out: &mut Vec<u8>) -> Result<(), String> {
+pub fn write_call(call: &Call, out: &mut Vec<u8>) -> Result<(), String> {
     out.push(u8::from(call.is_logical));
     out.extend(u64::try_from(call.now.0).unwrap_or(0).to_ne_bytes());
     for Argument { ty, value, .. } in &call.arguments {
@@ -119,14 +122,14 @@ fn basic_out(basic: Basic, datum: &Datum, out: &mut Vec<u8>) -> Result<(), Strin
     Ok(())
 }
 
-/// Takes in an answer: what has changed is put into the call.
+/// Takes in an answer, whatever it is: what has changed is put into the call.
 ///
 /// # Errors
 ///
 /// What is wrong with it.
-pub(crate) fn read_answer(call: &mut Call, bytes: &[u8]) -> Result<Answer, String> {
+pub fn read_answer(call: &mut Call, bytes: &[u8]) -> Result<Answer, String> {
     let types = call.types().clone();
-    let mut reader = Reader { bytes, types: &types };
+    let mut reader = Reader { bytes, types: &types, left: bytes.len().saturating_add(MOST_EMPTY) };
     let kind = reader.byte()?;
     let name = reader.text()?;
     let busy = reader.u64()?;
@@ -148,6 +151,8 @@ pub(crate) fn read_answer(call: &mut Call, bytes: &[u8]) -> Result<Answer, Strin
 struct Reader<'b> {
     bytes: &'b [u8],
     types: &'b Types,
+    /// How many parts may still come.
+    left: usize,
 }
 
 impl Reader<'_> {
@@ -207,6 +212,7 @@ impl Reader<'_> {
         if depth > MOST_DEPTH {
             return Err("values stand too deep inside values".to_owned());
         }
+        self.left = self.left.checked_sub(1).ok_or("it has more parts than its bytes can be")?;
         let types = self.types;
         Ok(match types.layout(ty) {
             Layout::Basic(basic) => self.basic(basic)?,

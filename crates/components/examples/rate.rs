@@ -1,15 +1,22 @@
 //! What running components costs: `cargo run --release -p lapwing-components --example rate`.
 //!
-//! A set of components like a drone's, tasks at 1 kHz that pass a value on through ports, beside a loop that calls the same codels by hand.
+//! A set of components like a drone's, tasks at 1 kHz that pass a value on through ports, beside threads that call the same codels by hand.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use lapwing_components::{Answer, Call, Codels, Run, Setup, request};
+use lapwing_components::{Answer, Call, Codels, Happening, Run, Setup, request};
 use lapwing_genom::{Files, Model, Options, load};
 use lapwing_stream::Duration;
 
+#[path = "support/hand.rs"]
+mod hand;
+
+use hand::used;
+
+/// How long the machine's clock is watched, in seconds.
+const SECONDS: i64 = 5;
 /// How many components there are in a row.
 const COMPONENTS: usize = 5;
 
@@ -58,15 +65,6 @@ fn start(model: &Arc<Model>, seconds: i64, is_real: bool, calls: &Arc<AtomicU64>
     run
 }
 
-/// How long this process has had a processor, in seconds; 0 where the system does not say.
-fn used() -> f64 {
-    let text = std::fs::read_to_string("/proc/self/schedstat").unwrap_or_default();
-    let threads = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
-    let all = threads.filter_map(|t| std::fs::read_to_string(t.path().join("schedstat")).ok());
-    let ns = |text: &str| text.split(' ').next().and_then(|ns| ns.parse::<f64>().ok()).unwrap_or(0.0);
-    all.map(|t| ns(&t)).sum::<f64>().max(ns(&text)) / 1e9
-}
-
 fn main() {
     let loaded = load(&Text(text()), &["t.gen".into()], &Options::default()).expect("the text can be read");
     let model = Arc::new(loaded.model);
@@ -83,21 +81,32 @@ fn main() {
     );
     println!("logical: {:.0} ns for each codel, {:.0} ns for each move", took * 1e9 / count, took * 1e9 / moves);
 
-    let values: [AtomicU64; COMPONENTS] = Default::default();
-    let begin = Instant::now();
-    for _ in 0..60_000 {
-        for value in &values {
-            value.fetch_add(1, Ordering::Relaxed);
-        }
-    }
-    println!("by hand: {:.1} ns for each codel", begin.elapsed().as_secs_f64() * 1e9 / 300_000.0);
-
-    let (mut run, before) = (start(&model, 5, true, &calls), used());
-    while run.advance().is_some() {}
+    let before = used();
+    let run = start(&model, SECONDS, true, &calls);
+    let (run, _) = run.carry_out(|_: &mut Run, _: &Happening| {});
+    let core = (used() - before) / SECONDS as f64;
     let figures = run.figures();
     let (turns, missed): (u64, u64) = (figures.turns.values().sum(), figures.all_missed());
     let late: u64 = figures.late.values().map(|c| c.times).sum();
     let worst = figures.late.values().map(|c| c.worst.nanos()).max().unwrap_or(0) as f64 / 1e6;
-    println!("real time: 5 s, {turns} turns, {missed} missed, {late} late by more than 1 ms, {worst:.1} ms at worst");
-    println!("real time: {:.1} % of a core", 100.0 * (used() - before) / 5.0);
+    let each = |core: f64, calls: f64| 1e6 * core / calls;
+    let rate = figures.calls as f64 / SECONDS as f64;
+    println!(
+        "real time: {SECONDS} s, {turns} turns, {missed} missed, {late} late by more than 1 ms, {worst:.1} ms at worst"
+    );
+    println!("real time: {:.1} % of a core, {:.1} us for each codel", 100.0 * core, each(core, rate));
+
+    let task = |_| {
+        let calls = calls.clone();
+        let work: hand::Work = Arc::new(move || _ = calls.fetch_add(1, Ordering::Relaxed));
+        hand::Task { period: std::time::Duration::from_millis(1), calls: vec![work] }
+    };
+    let by_hand = hand::run((0..COMPONENTS).map(task).collect(), SECONDS);
+    println!(
+        "by hand: {:.1} % of a core, {:.1} us for each codel, {} missed; the engine takes {:.1} times as much",
+        100.0 * by_hand.core,
+        each(by_hand.core, by_hand.calls),
+        by_hand.missed,
+        core / by_hand.core
+    );
 }

@@ -39,7 +39,7 @@ pub use figures::{Count, Figures};
 pub use happening::{CodelPlace, Failure, Happening, Outcome, What, Whose, line, place};
 pub use record::Recorder;
 pub use request::{Request, RequestError};
-pub use run::{CannotRun, Client, Run, Setup};
+pub use run::{CannotRun, Client, Observer, Run, Setup};
 pub use signals::{Message, Signals, Topic};
 pub use tell::{Teller, stamp};
 pub use types::{Layout, Types};

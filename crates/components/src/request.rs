@@ -1,16 +1,20 @@
 //! Requests as they are written, on a line each: `LaserDriver.SetDelay(delay=0.2)`, and in a file with when they are made: `@1s …`.
 
 use std::fmt;
+use std::io::{BufRead, Read as _};
 
 use lapwing_diag::suggest::nearest;
-use lapwing_genom::model::{Direction, Model, Service, ServiceId, ServiceKind};
+use lapwing_genom::model::{Direction, Model, Service, ServiceId, ServiceKind, Step, Type};
 use lapwing_stream::Time;
 
 use crate::datum::Datum;
-use crate::types::Types;
+use crate::types::{MOST_PARTS, Shape, Types};
 
 /// Values inside values no deeper than this.
 const MOST_DEPTH: usize = 32;
+
+/// A line of a request that is read as it comes is no longer.
+const MOST_LINE: usize = 1 << 20;
 
 /// A request for a service.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,6 +76,53 @@ pub fn timed(model: &Model, types: &Types, line: &str, number: usize) -> Result<
     let request = reader.request(model, types)?;
     reader.end()?;
     Ok(Some((time, request)))
+}
+
+/// Lines as they come from somebody who is not known: of bytes that need not be text, and that need not end.
+pub struct Lines<R> {
+    from: R,
+    number: usize,
+}
+
+impl<R: BufRead> Lines<R> {
+    /// Those of a reader.
+    pub fn new(from: R) -> Lines<R> {
+        Lines { from, number: 0 }
+    }
+}
+
+impl<R: BufRead> Iterator for Lines<R> {
+    /// The number of a line, and the line, or what is wrong with it.
+    type Item = (usize, Result<String, RequestError>);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let mut bytes = Vec::new();
+        let most = MOST_LINE as u64 + 1;
+        let read = self.from.by_ref().take(most).read_until(b'\n', &mut bytes).ok().filter(|read| *read > 0)?;
+        self.number += 1;
+        let wrong = |message: String| Err(RequestError { line: self.number, column: 1, message });
+        let is_whole = bytes.ends_with(b"\n") || read <= MOST_LINE;
+        let line = match (is_whole, String::from_utf8(bytes)) {
+            (true, Ok(text)) => Ok(text.trim_end_matches(['\r', '\n']).to_owned()),
+            (true, Err(_)) => wrong("the line is no text in UTF-8".to_owned()),
+            (false, _) => {
+                pass_over(&mut self.from);
+                wrong(format!("the line has more than {MOST_LINE} bytes"))
+            }
+        };
+        Some((self.number, line))
+    }
+}
+
+/// Goes behind the end of a line.
+fn pass_over(from: &mut impl BufRead) {
+    while let Ok(bytes) = from.fill_buf() {
+        let (length, end) = (bytes.len(), bytes.iter().position(|b| *b == b'\n'));
+        from.consume(end.map_or(length, |end| end + 1));
+        if length == 0 || end.is_some() {
+            return;
+        }
+    }
 }
 
 /// Reads a file of requests, one on each line, in the order of their times; comments begin with `#`.
@@ -143,6 +194,18 @@ enum Literal {
     Parts(Vec<(String, Literal)>),
 }
 
+/// How many parts the value of a parameter may still have: a short text can ask for long ones, as in `[{}, {}, {}]` of structures of arrays.
+struct Room(u64);
+
+impl Room {
+    /// Makes a value, if there is room for so many of them.
+    fn take(&mut self, one: Datum, times: u64) -> Result<Datum, String> {
+        let wanted = one.parts().saturating_mul(times);
+        self.0 = self.0.checked_sub(wanted).ok_or("the values have too many parts together")?;
+        Ok(one)
+    }
+}
+
 /// Values for all parameters of a service: those that are given, else the defaults.
 fn values(types: &Types, service: &Service, given: Vec<(Option<String>, Literal)>) -> Result<Vec<Datum>, String> {
     let mut all: Vec<Option<Datum>> = Vec::new();
@@ -168,7 +231,10 @@ fn values(types: &Types, service: &Service, given: Vec<(Option<String>, Literal)
         }
         let Some(ty) = &parameter.ty else { continue };
         let base = slot.take().unwrap_or_else(|| types.initial(ty));
-        *slot = Some(value(types, ty, base, literal).map_err(|why| format!("`{}`: {why}", parameter.name))?);
+        *slot = Some(
+            value(types, ty, base, literal, &mut Room(MOST_PARTS))
+                .map_err(|why| format!("`{}`: {why}", parameter.name))?,
+        );
     }
     let named = all.into_iter().zip(&service.parameters);
     named
@@ -178,8 +244,8 @@ fn values(types: &Types, service: &Service, given: Vec<(Option<String>, Literal)
         .collect()
 }
 
-fn value(types: &Types, ty: &lapwing_genom::model::Type, base: Datum, literal: Literal) -> Result<Datum, String> {
-    use lapwing_genom::model::Step;
+/// A value as one of a type. What a structure is not given is as in `base`.
+fn value(types: &Types, ty: &Type, base: Datum, literal: Literal, room: &mut Room) -> Result<Datum, String> {
     match literal {
         Literal::Int(i) => types.fit(ty, Datum::Int(i)),
         Literal::Float(x) => types.fit(ty, Datum::Float(x)),
@@ -188,20 +254,14 @@ fn value(types: &Types, ty: &lapwing_genom::model::Type, base: Datum, literal: L
         Literal::Word(word) if word == "nan" => types.fit(ty, Datum::Float(f64::NAN)),
         Literal::Word(word) if word == "inf" => types.fit(ty, Datum::Float(f64::INFINITY)),
         Literal::Word(word) => types.fit(ty, Datum::Text(word)),
-        Literal::List(items) => {
-            let inner = match types.shape(ty) {
-                crate::types::Shape::Sequence(inner, _) | crate::types::Shape::Array(inner, _) => inner.clone(),
-                _ => return Err("a list does not go there".to_owned()),
-            };
-            let items = items.into_iter().map(|item| value(types, &inner, types.initial(&inner), item));
-            types.fit(ty, Datum::List(items.collect::<Result<_, _>>()?))
-        }
-        Literal::Parts(mut parts) if matches!(types.shape(ty), crate::types::Shape::Union(..)) => {
+        Literal::List(items) => list(types, ty, items, room),
+        Literal::Parts(mut parts) if matches!(types.shape(ty), Shape::Union(..)) => {
             let (Some((name, part)), true) = (parts.pop(), parts.is_empty()) else {
                 return Err("a union has one member at a time".to_owned());
             };
             let (tag, number, inner) = types.case(ty, &name)?;
-            let part = value(types, &inner, types.initial(&inner), part)?;
+            let first = room.take(types.initial(&inner), 1)?;
+            let part = value(types, &inner, first, part, room)?;
             Ok(Datum::Union(tag, Some((number, Box::new(part)))))
         }
         Literal::Parts(parts) => {
@@ -210,11 +270,22 @@ fn value(types: &Types, ty: &lapwing_genom::model::Type, base: Datum, literal: L
                 let (way, inner) = types.way(ty, &[Step::Member(name)])?;
                 let Some(place) = whole.part_mut(&way) else { continue };
                 let before = std::mem::replace(place, Datum::Native(0));
-                *place = value(types, inner, before, part)?;
+                *place = value(types, inner, before, part, room)?;
             }
             Ok(whole)
         }
     }
+}
+
+/// The elements of an array or a sequence.
+fn list(types: &Types, ty: &Type, items: Vec<Literal>, room: &mut Room) -> Result<Datum, String> {
+    let (Shape::Sequence(inner, _) | Shape::Array(inner, _)) = types.shape(ty) else {
+        return Err("a list does not go there".to_owned());
+    };
+    let one = room.take(types.initial(inner), items.len() as u64)?;
+    let items = items.into_iter().map(|item| value(types, inner, one.clone(), item, room));
+    let items = items.collect::<Result<_, _>>()?;
+    types.fit(ty, Datum::List(items))
 }
 
 struct Reader<'t> {

@@ -21,7 +21,7 @@ use size::Sizes;
 const MOST_DEPTH: usize = 64;
 
 /// A value has no more parts than this at first.
-const MOST_PARTS: u64 = 1 << 20;
+pub(crate) const MOST_PARTS: u64 = 1 << 20;
 
 /// The types that have names.
 #[derive(Clone, Debug, Default)]

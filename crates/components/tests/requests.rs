@@ -2,6 +2,8 @@
 
 mod common;
 
+use std::io;
+
 use common::model;
 use lapwing_components::{Datum, Types, request};
 use lapwing_stream::Time;
@@ -76,4 +78,40 @@ fn a_file_gives_its_requests_in_the_order_of_their_times_and_all_its_errors() {
     let errors = request::file(&model, &types, "@soon C.Set()\n@1s C.Set(n=x)\n").unwrap_err();
     assert_eq!(errors.iter().map(|e| e.line).collect::<Vec<_>>(), [1, 2]);
     assert!(errors[0].message.contains("`soon` is no time"), "{}", errors[0]);
+}
+
+#[test]
+fn lines_that_come_may_be_anything() {
+    let endless = "x".repeat(3 << 20);
+    let text = [b"@1s C.F()\r\n\xff\xfe\n".as_slice(), endless.as_bytes(), b"\n\nC.G()"].concat();
+    let lines = request::Lines::new(io::Cursor::new(text));
+    let said: Vec<String> = lines
+        .map(|(number, line)| {
+            format!("{number} {}", line.unwrap_or_else(|error| format!("{}: {}", error.line, error.message)))
+        })
+        .collect();
+    assert_eq!(
+        said,
+        [
+            "1 @1s C.F()",
+            "2 2: the line is no text in UTF-8",
+            "3 3: the line has more than 1048576 bytes",
+            "4 ",
+            "5 C.G()"
+        ]
+    );
+}
+
+#[test]
+fn a_short_text_cannot_ask_for_long_values() {
+    let (model, _) = model(
+        "struct big { double values[10000]; };
+         component C { function F(in sequence<big> all); };",
+    );
+    let types = Types::new(&model).unwrap();
+    let few = request::request(&model, &types, "C.F(all=[{}, {}])").unwrap();
+    assert_eq!(few.values.len(), 1);
+    let many = format!("C.F(all=[{}])", vec!["{}"; 5000].join(", "));
+    let error = request::request(&model, &types, &many).unwrap_err();
+    assert!(error.message.contains("too many parts"), "{error}");
 }

@@ -2,11 +2,12 @@
 
 mod common;
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
-use common::{all, count, lines, millis, model, setup, start};
-use lapwing_components::{Answer, Call, Codels, Datum, Outcome, Setup, TroubleKind, What};
+use common::{all, all_real, count, lines, millis, model, setup, start};
+use lapwing_components::{Answer, Call, Codels, Datum, Happening, Observer, Outcome, Run, Setup, TroubleKind, What};
 use lapwing_stream::Duration;
 
 /// A task that counts, and publishes what it has counted; another that reads it.
@@ -275,9 +276,8 @@ fn permanent_activities_begin_one_after_the_other_and_before_requests() {
 fn in_real_time_tasks_run_at_the_same_time_and_come_as_often_as_they_should() {
     let (model, _) = model(COUNTER);
     let setup = Setup { is_real: true, ..setup(400) };
-    let mut run =
-        start(&model, setup, counting(), "@0s Counter.SetMost(most=5)\n@1ms Counter.Count()\n@1ms Reader.Read()\n");
-    let happened = all(&mut run);
+    let requests = "@0s Counter.SetMost(most=5)\n@1ms Counter.Count()\n@1ms Reader.Read()\n";
+    let (run, happened) = all_real(start(&model, setup, counting(), requests));
     // However slow the machine is: the order is this, and the counting ends where it should.
     let writes: Vec<f64> = happened
         .iter()
@@ -289,6 +289,41 @@ fn in_real_time_tasks_run_at_the_same_time_and_come_as_often_as_they_should() {
     assert_eq!(writes, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
     assert!(happened.windows(2).all(|two| two[0].time <= two[1].time));
     assert_eq!(run.ids("Counter", "n"), Some(Datum::Int(6)));
+}
+
+#[test]
+fn in_real_time_an_observer_that_panics_ends_the_run() {
+    let (model, _) = model(COUNTER);
+    for wanted in ["first request", "first codel"] {
+        let run = start(
+            &model,
+            Setup { is_real: true, duration: None, ..Setup::default() },
+            counting(),
+            "@0s Counter.Count()\n",
+        );
+        let panics = move |_: &mut Run, happening: &Happening| match happening.what {
+            What::Requested { .. } if wanted == "first request" => panic!("the observer has had enough"),
+            What::Returned { .. } if wanted == "first codel" => panic!("the observer has had enough"),
+            _ => {}
+        };
+        assert!(catch_unwind(AssertUnwindSafe(|| run.carry_out(panics))).is_err(), "{wanted}");
+    }
+}
+
+/// Ends a run after so many reports.
+struct Reports {
+    wanted: usize,
+    seen: usize,
+}
+
+impl Observer for Reports {
+    fn see(&mut self, run: &mut Run, happening: &Happening) {
+        assert!(!matches!(happening.what, What::Failed(_)), "{happening:?}");
+        self.seen += usize::from(matches!(happening.what, What::Reported { .. }));
+        if self.seen == self.wanted {
+            run.stop();
+        }
+    }
 }
 
 #[test]
@@ -308,16 +343,9 @@ fn in_real_time_two_tasks_do_not_wait_for_each_other() {
         Ok(Answer::event("ether"))
     });
     let setup = Setup { is_real: true, duration: None, ..Setup::default() };
-    let mut run = start(&model, setup, meet, "@0s C.A()\n@0s C.B()\n");
-    let mut reports = 0;
-    while let Some(happening) = run.advance() {
-        assert!(!matches!(happening.what, What::Failed(_)), "{happening:?}");
-        reports += usize::from(matches!(happening.what, What::Reported { .. }));
-        if reports == 2 {
-            run.stop();
-        }
-    }
-    assert_eq!(reports, 2);
+    let run = start(&model, setup, meet, "@0s C.A()\n@0s C.B()\n");
+    let (_, two) = run.carry_out(Reports { wanted: 2, seen: 0 });
+    assert_eq!(two.seen, 2);
 }
 
 #[test]
@@ -335,7 +363,7 @@ fn a_codel_that_panics_or_hangs_ends_the_run_with_its_name() {
         Ok(Answer::event("ether"))
     });
     let setup = Setup { is_real: true, duration: None, patience: millis(50), ..Setup::default() };
-    let happened = all(&mut start(&model, setup, hangs, "@0s Counter.Count()\n"));
+    let (_, happened) = all_real(start(&model, setup, hangs, "@0s Counter.Count()\n"));
     drop(held);
     let failed = happened.iter().find_map(|h| match &h.what {
         What::Failed(failure) => Some(failure.trouble.kind),
@@ -365,7 +393,7 @@ fn a_codel_that_asks_for_what_it_is_not_given_is_told_what_it_is() {
 fn other_threads_ask_for_services_while_a_run_goes_on() {
     let (model, _) = model(COUNTER);
     let setup = Setup { is_real: true, duration: None, ..Setup::default() };
-    let mut run = start(&model, setup, counting(), "");
+    let run = start(&model, setup, counting(), "");
     let client = run.client().unwrap();
     let request = run.plain_request("Counter.Get").unwrap();
     let asked = Arc::new(AtomicUsize::new(0));
@@ -377,15 +405,9 @@ fn other_threads_ask_for_services_while_a_run_goes_on() {
         }
         client
     });
-    let mut reports = 0;
-    while let Some(happening) = run.advance() {
-        reports += usize::from(matches!(happening.what, What::Reported { .. }));
-        if reports == 3 {
-            run.stop();
-        }
-    }
+    let (_, three) = run.carry_out(Reports { wanted: 3, seen: 0 });
     drop(thread.join().unwrap());
-    assert_eq!((reports, asked.load(Ordering::SeqCst)), (3, 3));
+    assert_eq!((three.seen, asked.load(Ordering::SeqCst)), (3, 3));
 }
 
 #[test]

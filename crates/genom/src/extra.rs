@@ -44,9 +44,9 @@ pub(crate) fn apply_wcet(model: &mut Model, sources: &SourceMap, file: FileId, d
     for words in lines(sources, file) {
         let Some(((key, place), rest)) = words.split_first() else { continue };
         let text: String = rest.iter().map(|(word, _)| *word).collect();
-        let Some(ns) = duration(&text) else {
+        let Some(ns) = duration(&text).or_else(|| seconds(&text)) else {
             let span = rest.last().map_or(*place, |(_, last)| place.to(*last));
-            let help = "write COMPONENT.ACTIVITY.STATE = 1.5 ms, or COMPONENT.FUNCTION = 1.5 ms; the units are s, ms, us and ns";
+            let help = "write COMPONENT.ACTIVITY.STATE = 1.5 ms, or COMPONENT.FUNCTION = 1.5 ms; the units are s, ms, us and ns, and s where there is none";
             diagnostics.push(Diagnostic::new(Code::BadSetting, span, "this is no execution time").help(help));
             continue;
         };
@@ -133,6 +133,12 @@ pub fn duration(text: &str) -> Option<u64> {
     };
     let whole = if whole.is_empty() { 0 } else { whole.parse::<u64>().ok()? };
     whole.checked_mul(scale)?.checked_add(rest)
+}
+
+/// A number without a unit: seconds, as in a specification.
+fn seconds(text: &str) -> Option<u64> {
+    let is_number = text.bytes().all(|b| b.is_ascii_digit() || b == b'.');
+    if is_number { duration(&format!("{text}s")) } else { None }
 }
 
 /// Links ports as a file says; those that it does not name are linked by their names.

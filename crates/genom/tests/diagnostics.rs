@@ -160,6 +160,10 @@ fn what_cannot_be_read_does_not_hide_the_rest() {
     assert_eq!(codes(&text("const string a = \"x;")), ["stray-character: \"x;"]);
     let deep = format!("typedef {}long{} t;", "sequence<".repeat(200), "> ".repeat(200));
     assert_eq!(text(&deep).diagnostics[0].code.name(), "too-deep");
+    assert_eq!(codes(&text(&format!("typedef long t{};", "[1]".repeat(32)))), [""; 0]);
+    let dimensions = format!("typedef long t{}; struct s {{ long a; long b[2]; }};", "[1]".repeat(20_000));
+    assert_eq!(codes(&text(&dimensions)), ["too-deep: ["]);
+    assert_eq!(text(&dimensions).model.types.len(), 1);
 }
 
 #[test]
@@ -199,6 +203,10 @@ fn files_beside_the_specification() {
     let linked = with("C.t.start = 2 ms # why\nC/f 1.5ms", "C.P B.P // this one\n");
     assert_eq!(codes(&linked), [""; 0]);
     assert_eq!(linked.model.components[2].codels[0].wcet_ns, Some(1_500_000));
+    // As in a specification, a number alone is seconds.
+    let plain = with("C.f = 0.0015", "C.P B.P");
+    assert_eq!(codes(&plain), [""; 0]);
+    assert_eq!(plain.model.components[2].codels[0].wcet_ns, Some(1_500_000));
     assert_eq!(linked.model.links[0].writer.0, 1);
     assert_eq!(codes(&with("", "C_P A_P")), [""; 0]);
     let wrong = with("C.t.begin = 2 ms\nD.f = 1 ms\nC.f = soon\n", "C.P\nC.Q A.P\nC.P A.Q");

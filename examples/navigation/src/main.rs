@@ -65,7 +65,7 @@ fn main() -> ExitCode {
 }
 
 fn tell(went: &Went, all: bool) {
-    let words = ["violation", "ZeroSpeed", "write", "by Scan_Fail", "interrupt", "overrun"];
+    let words = ["violation", "ZeroSpeed", "write", "by Scan_Fail", "interrupt", "overrun", "failure"];
     let is_told = |line: &&String| all || words.iter().any(|word| line.contains(word));
     let told: Vec<&String> = went.log.iter().filter(is_told).collect();
     let most = if all { told.len() } else { 12 };
@@ -78,6 +78,8 @@ fn tell(went: &Went, all: bool) {
     println!("GotoPosition: {goto}; the robot {bump}, and is at ({:.2}, {:.2})", went.pose.x, went.pose.y);
     println!("{} turns of tasks missed, {} codels overran", went.missed, went.overruns);
     for property in went.report.iter().flat_map(|r| &r.properties) {
-        println!("{}: {} ({} violations)", property.name, property.verdict.word(), property.violations.len());
+        let count = property.violations.len();
+        let plural = if count == 1 { "" } else { "s" };
+        println!("{}: {} ({count} violation{plural})", property.name, property.verdict.word());
     }
 }

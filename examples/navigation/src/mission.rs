@@ -1,12 +1,15 @@
 //! A mission: all components are set going, the robot is sent to a position, and monitors watch it.
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use lapwing::{Report, Spec};
-use lapwing_components::{Happening, Outcome, Recorder, Run, Setup, Teller, Watch, What, request, stamp};
-use lapwing_diag::Style;
-use lapwing_genom::{Disk, Options, load};
+use lapwing_components::{
+    Happening, Observer, Outcome, Recorder, Run, Setup, Teller, Types, Watch, What, request, stamp,
+};
+use lapwing_diag::{SourceMap, Style};
+use lapwing_genom::{Disk, Model, Options, load};
 use lapwing_sim::Pose;
 use lapwing_stream::Duration;
 
@@ -84,15 +87,16 @@ impl Mission {
             is_real: self.is_real,
             seed: self.seed,
             duration: Some(Duration::from_nanos((self.seconds * 1e9) as i64)),
+            // A scan that is held back does not hang: `SetDelay` takes up to 10 s.
+            patience: Duration::from_nanos(15_000_000_000),
             ..Setup::default()
         };
         let mut run = Run::new(model.clone(), setup, codels).map_err(|e| e.to_string())?;
         self.plan(&mut run)?;
         let specs = self.spec.iter().map(|path| Spec::load(path).map_err(|e| e.to_string()));
         let specs = specs.collect::<Result<Vec<_>, _>>()?;
-        let mut watch = Watch::new(specs, &run, Style::Plain).map_err(|e| e.0)?;
-        let types = run.types().clone();
-        let teller = Teller { model: &model, types: &types, sources: &loaded.sources, is_verbose: false };
+        let watch = Watch::new(specs, &run, Style::Plain).map_err(|e| e.0)?;
+        let recorder = self.record.as_deref().map(|path| Recorder::create(path, watch.signals())).transpose()?;
         let went = Went {
             log: Vec::new(),
             report: None,
@@ -103,8 +107,13 @@ impl Mission {
             missed: 0,
             overruns: 0,
         };
-        self.watched(run, &mut watch, &teller, &field, went)
-            .map(|went| Went { report: self.spec.is_some().then(|| watch.finish(None)), ..went })
+        let navigation = run.plain_request("Navigation.Stop")?.component;
+        let types = run.types().clone();
+        let sources = loaded.sources;
+        let logbook =
+            Logbook { model, types, sources, watch, recorder, navigation, is_stopping: false, trouble: None, went };
+        let (run, logbook) = run.carry_out(logbook);
+        logbook.close(&run, &field, self.spec.is_some())
     }
 
     /// What is requested, and when.
@@ -116,56 +125,84 @@ impl Mission {
         requests.into_iter().for_each(|(time, request)| run.schedule(time, request));
         Ok(())
     }
+}
 
-    fn watched(
-        &self,
-        mut run: Run,
-        watch: &mut Watch,
-        teller: &Teller<'_>,
-        field: &Field,
-        mut went: Went,
-    ) -> Result<Went, String> {
-        let mut recorder = self.record.as_deref().map(|path| Recorder::create(path, watch.signals())).transpose()?;
-        let mut stops = false;
-        let goto = run.plain_request("Navigation.Stop")?.component;
-        while let Some(happening) = run.advance() {
-            let messages = watch.see(&mut run, &happening);
-            if let Some(recorder) = &mut recorder {
-                messages.iter().try_for_each(|m| recorder.write(happening.time, m)).map_err(|e| e.to_string())?;
-            }
-            went.log.extend(teller.line(&happening).or_else(|| noteworthy(teller, &happening, &mut stops)));
-            while let Some(news) = watch.news() {
-                went.log.push(format!("{} violation {}", stamp(happening.time), news.property.name));
-            }
-            if let What::Ended { whose, outcome, .. } = &happening.what
-                && whose.component == goto
-            {
-                went.goto = Some(outcome.clone());
-                // A moment to come to rest, and then it is over.
-                run.stop_at(happening.time, Duration::from_nanos(1_000_000_000));
-            }
+/// Who writes down how a mission goes, and sees to it that it is watched.
+struct Logbook {
+    model: Arc<Model>,
+    types: Types,
+    sources: SourceMap,
+    watch: Watch,
+    recorder: Option<Recorder<File>>,
+    /// The number of the component that drives to positions.
+    navigation: usize,
+    /// Whether SafetyPilot's `stop` is what happens.
+    is_stopping: bool,
+    /// Why the recording could not be written, if it could not.
+    trouble: Option<String>,
+    went: Went,
+}
+
+impl Observer for Logbook {
+    fn see(&mut self, run: &mut Run, happening: &Happening) {
+        let messages = self.watch.see(run, happening);
+        if let Some(recorder) = &mut self.recorder
+            && let Err(why) = messages.iter().try_for_each(|m| recorder.write(happening.time, m))
+        {
+            self.trouble.get_or_insert(why.to_string());
+            run.stop();
         }
-        if let Some(recorder) = recorder {
-            recorder.finish().map_err(|e| e.to_string())?;
+        let line = self.line(happening);
+        self.went.log.extend(line);
+        while let Some(news) = self.watch.news() {
+            self.went.log.push(format!("{} violation {}", stamp(happening.time), news.property.name));
         }
-        let end = run.now().seconds();
-        let figures = run.figures();
-        (went.pose, went.bump, went.speed) = (field.pose(end), field.bump(), field.motions(end).linear);
-        (went.missed, went.overruns) = (figures.all_missed(), figures.overruns.values().map(|c| c.times).sum());
-        Ok(went)
+        if let What::Ended { whose, outcome, .. } = &happening.what
+            && whose.component == self.navigation
+        {
+            self.went.goto = Some(outcome.clone());
+            // A moment to come to rest, and then it is over.
+            run.stop_at(happening.time, Duration::from_nanos(1_000_000_000));
+        }
     }
 }
 
-/// Of all codels, the log has SafetyPilot's `stop`, and what that writes.
-fn noteworthy(teller: &Teller<'_>, happening: &Happening, stops: &mut bool) -> Option<String> {
-    let all = Teller { is_verbose: true, ..*teller };
-    match &happening.what {
-        What::Called { .. } | What::Returned { .. } => {
-            let line = all.line(happening)?;
-            *stops = line.contains(".stop ZeroSpeed");
-            stops.then_some(line)
+impl Logbook {
+    /// What the log says of something: of all codels, it has SafetyPilot's `stop`, and what that writes.
+    fn line(&mut self, happening: &Happening) -> Option<String> {
+        let all = Teller { model: &self.model, types: &self.types, sources: &self.sources, is_verbose: true };
+        let told = Teller { is_verbose: false, ..all }.line(happening);
+        if told.is_some() {
+            return told;
         }
-        What::Written { .. } if *stops => all.line(happening),
-        _ => None,
+        match &happening.what {
+            What::Called { .. } | What::Returned { .. } => {
+                let line = all.line(happening)?;
+                self.is_stopping = line.contains(".stop ZeroSpeed");
+                self.is_stopping.then_some(line)
+            }
+            What::Written { .. } if self.is_stopping => all.line(happening),
+            _ => None,
+        }
+    }
+
+    /// How it went, now that it is over.
+    fn close(mut self, run: &Run, field: &Field, is_watched: bool) -> Result<Went, String> {
+        if let Some(why) = self.trouble {
+            return Err(why);
+        }
+        if let Some(recorder) = self.recorder.take() {
+            recorder.finish().map_err(|e| e.to_string())?;
+        }
+        let (end, figures) = (run.now().seconds(), run.figures());
+        Ok(Went {
+            report: is_watched.then(|| self.watch.finish(None)),
+            pose: field.pose(end),
+            bump: field.bump(),
+            speed: field.motions(end).linear,
+            missed: figures.all_missed(),
+            overruns: figures.overruns.values().map(|c| c.times).sum(),
+            ..self.went
+        })
     }
 }

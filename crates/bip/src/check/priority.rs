@@ -82,7 +82,10 @@ impl Checker<'_> {
         if self.connectors.get(connection.ty).is_some_and(|c| c.export.is_some()) {
             let message =
                 format!("the connector `{}` is only a part of others: it has no priority of its own", name.text);
-            return self.fail(Code::BipInteraction, name.span, message);
+            let diagnostic = Diagnostic::new(Code::BipInteraction, name.span, message);
+            return Err(
+                self.report(diagnostic.help("priorities order what happens: name the connectors that it is a part of"))
+            );
         }
         Ok((index as u32, connection))
     }

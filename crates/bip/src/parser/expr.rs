@@ -117,29 +117,59 @@ impl Parser<'_> {
         Ok(value)
     }
 
-    /// A text in quotation marks, its escapes resolved.
+    /// A text in quotation marks, its escapes resolved: those of C, a line's end among them that does not count.
     pub(super) fn text_literal(&mut self) -> Parse<String> {
         if self.kind() != TokenKind::Text {
             return self.missing("a text in quotation marks");
         }
         let raw = self.here();
         let inside = raw.get(1..raw.len().saturating_sub(1)).unwrap_or("");
-        let mut text = String::with_capacity(inside.len());
-        let mut chars = inside.chars();
-        while let Some(c) = chars.next() {
-            text.push(match (c, c == '\\') {
-                (_, true) => match chars.next() {
-                    Some('n') => '\n',
-                    Some('t') => '\t',
-                    Some('r') => '\r',
-                    Some('0') => '\0',
-                    Some(c @ ('"' | '\\' | '\'')) => c,
-                    _ => return self.fail(Code::BadText, self.span(), "this text has an escape that does not exist"),
-                },
-                (c, false) => c,
-            });
+        match unescaped(inside) {
+            Some(text) => {
+                self.advance();
+                Ok(text)
+            }
+            None => self.fail(Code::BadText, self.span(), "this text has an escape that does not exist"),
         }
-        self.advance();
-        Ok(text)
     }
+}
+
+/// A text without its escapes; `None` where there is one that does not exist.
+fn unescaped(inside: &str) -> Option<String> {
+    let mut text = String::with_capacity(inside.len());
+    let mut rest = inside;
+    while let Some(at) = rest.find('\\') {
+        text.push_str(rest.get(..at)?);
+        let after = rest.get(at + 1..)?;
+        let sign = after.chars().next()?;
+        rest = after.get(sign.len_utf8()..)?;
+        match sign {
+            'n' => text.push('\n'),
+            't' => text.push('\t'),
+            'r' => text.push('\r'),
+            'a' => text.push('\u{7}'),
+            'b' => text.push('\u{8}'),
+            'f' => text.push('\u{c}'),
+            'v' => text.push('\u{b}'),
+            '"' | '\\' | '\'' | '?' => text.push(sign),
+            '\n' => {}
+            '\r' => rest = rest.strip_prefix('\n')?,
+            'x' => text.push(number(&mut rest, 16, 2)?),
+            '0'..='7' => {
+                rest = after;
+                text.push(number(&mut rest, 8, 3)?);
+            }
+            _ => return None,
+        }
+    }
+    text.push_str(rest);
+    Some(text)
+}
+
+/// A character by its number, of so many digits at most: a byte in C, and the same character of Unicode here.
+fn number(rest: &mut &str, radix: u32, most: usize) -> Option<char> {
+    let length = rest.chars().take(most).take_while(|c| c.is_digit(radix)).count();
+    let (digits, after) = rest.split_at_checked(length)?;
+    *rest = after;
+    u8::from_str_radix(digits, radix).ok().map(char::from)
 }

@@ -1,14 +1,15 @@
 //! `lapwing genom run`: components run, with codels or without, watched by specifications.
 
 use std::fs::File;
-use std::io::{self, BufRead, Write as _};
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::thread;
 
 use clap::Args;
 use lapwing_components::{
-    Client, Codels, Failure, Recorder, Run, Setup, Teller, Types, Watch, What, place, request, stamp,
+    Client, Codels, Failure, Happening, Observer, Recorder, Run, Setup, Teller, Types, Watch, What, place, request,
+    stamp,
 };
 use lapwing_diag::{SourceMap, Style};
 use lapwing_genom::mutex::Rules;
@@ -102,8 +103,20 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Complaint> {
         thread::spawn(move || stop_when_interrupted(&client));
     }
     let types = run.types().clone();
-    let told = Told { model: &model, types: &types, sources: &sources, arguments, styles: (stdout, stderr) };
-    told.carry_out(run, watch, recorder, has_specs)
+    let format: Format = arguments.format.into();
+    let told = Told {
+        model,
+        types,
+        sources,
+        is_verbose: arguments.verbose,
+        is_text: format == Format::Text,
+        watch,
+        recorder,
+        failure: None,
+        trouble: None,
+    };
+    let (run, told) = run.carry_out(told);
+    told.conclude(&run, format, stdout, has_specs)
 }
 
 /// The codels of all libraries.
@@ -168,9 +181,10 @@ pub fn requests_of(path: &Path, model: &Model, types: &Types) -> Result<Vec<requ
 
 /// Makes requests as their lines come; a time before one is passed over.
 fn listen(client: &Client, model: &Model, types: &Types) {
-    for (number, line) in io::stdin().lock().lines().enumerate() {
-        let Ok(line) = line else { return };
-        match request::timed(model, types, &line, number + 1) {
+    let mut lines = request::Lines::new(io::stdin().lock());
+    while let Some((number, line)) = lines.next() {
+        let read = line.and_then(|line| request::timed(model, types, &line, number));
+        match read {
             Ok(Some((_, request))) => {
                 if !client.request(request) {
                     return;
@@ -183,65 +197,70 @@ fn listen(client: &Client, model: &Model, types: &Types) {
 }
 
 /// A run as it is told.
-struct Told<'t> {
-    model: &'t Model,
-    types: &'t Types,
-    sources: &'t SourceMap,
-    arguments: &'t RunArguments,
-    styles: (Style, Style),
+struct Told {
+    model: Arc<Model>,
+    types: Types,
+    sources: SourceMap,
+    is_verbose: bool,
+    is_text: bool,
+    watch: Watch,
+    recorder: Option<Recorder<File>>,
+    failure: Option<Failure>,
+    /// Why the recording could not be written, if it could not.
+    trouble: Option<String>,
 }
 
-impl Told<'_> {
-    fn carry_out(
-        &self,
-        mut run: Run,
-        mut watch: Watch,
-        mut recorder: Option<Recorder<File>>,
-        has_specs: bool,
-    ) -> Result<Exit, Complaint> {
-        let format: Format = self.arguments.format.into();
-        let teller =
-            Teller { model: self.model, types: self.types, sources: self.sources, is_verbose: self.arguments.verbose };
-        let is_text = format == Format::Text;
-        let mut stdout = io::stdout().lock();
-        let mut failure: Option<Failure> = None;
-        while let Some(happening) = run.advance() {
-            let messages = watch.see(&mut run, &happening);
-            if let Some(recorder) = &mut recorder {
-                let written = messages.iter().try_for_each(|m| recorder.write(happening.time, m));
-                written.map_err(|e| Complaint::new(format!("the recording cannot be written: {e}")))?;
-            }
-            let mut lines: Vec<String> = teller.line(&happening).into_iter().collect();
-            while let Some(news) = watch.news() {
-                let what = format!("violation {}: {}", news.property.name, news.property.text.trim());
-                lines.push(format!("{} {}", stamp(happening.time), what.replace('\n', " ")));
-            }
-            if is_text && !lines.is_empty() && writeln!(stdout, "{}", lines.join("\n")).is_err() {
-                run.stop();
-            }
-            if let What::Failed(found) = happening.what {
-                failure = Some(*found);
-            }
-            if interrupt::is_stopped() {
-                run.stop();
-            }
+impl Observer for Told {
+    fn see(&mut self, run: &mut Run, happening: &Happening) {
+        let messages = self.watch.see(run, happening);
+        if let Some(recorder) = &mut self.recorder
+            && let Err(why) = messages.iter().try_for_each(|m| recorder.write(happening.time, m))
+        {
+            self.trouble.get_or_insert(why.to_string());
+            run.stop();
         }
-        if let Some(recorder) = recorder {
-            recorder.finish().map_err(|e| Complaint::new(format!("the recording cannot be written: {e}")))?;
+        let (model, types, sources) = (&self.model, &self.types, &self.sources);
+        let teller = Teller { model, types, sources, is_verbose: self.is_verbose };
+        let mut lines: Vec<String> = self.is_text.then(|| teller.line(happening)).flatten().into_iter().collect();
+        while let Some(news) = self.watch.news() {
+            let what = format!("violation {}: {}", news.property.name, news.property.text.trim());
+            lines.push(format!("{} {}", stamp(happening.time), what.replace('\n', " ")));
         }
-        let gap = failure.as_ref().map(|failure| self.failed(failure));
-        let mut text = if is_text { self.figures(&run) } else { String::new() };
+        if self.is_text && !lines.is_empty() && writeln!(io::stdout(), "{}", lines.join("\n")).is_err() {
+            run.stop();
+        }
+        if let What::Failed(found) = &happening.what {
+            self.failure = Some((**found).clone());
+        }
+        if interrupt::is_stopped() {
+            run.stop();
+        }
+    }
+}
+
+impl Told {
+    /// What is said at the end.
+    fn conclude(mut self, run: &Run, format: Format, style: Style, has_specs: bool) -> Result<Exit, Complaint> {
+        let cannot = |why: &str| Complaint::new(format!("the recording cannot be written: {why}"));
+        if let Some(why) = &self.trouble {
+            return Err(cannot(why));
+        }
+        if let Some(recorder) = self.recorder.take() {
+            recorder.finish().map_err(|e| cannot(&e.to_string()))?;
+        }
+        let gap = self.failure.as_ref().map(|failure| self.failed(failure));
+        let mut text = if self.is_text { figures(run) } else { String::new() };
         let mut standing = Standing::Good;
         if has_specs {
-            let report = watch.finish(gap.clone());
+            let report = self.watch.finish(gap.clone());
             let mut tally = Tally::default();
             tally.add(&report);
             text += format.begin();
-            text += &render(&report, format, self.styles.0);
-            text += &end(&tally, format, self.styles.0);
+            text += &render(&report, format, style);
+            text += &end(&tally, format, style);
             standing = tally.standing();
         }
-        drop(stdout.write_all(text.as_bytes()));
+        drop(io::stdout().write_all(text.as_bytes()));
         if let Some(gap) = &gap {
             say(&format!("error: {gap}\n"));
             return Ok(Exit::Failed);
@@ -250,22 +269,22 @@ impl Told<'_> {
     }
 
     fn failed(&self, failure: &Failure) -> String {
-        let codel = place(self.model, self.sources, failure.component, failure.codel);
+        let codel = place(&self.model, &self.sources, failure.component, failure.codel);
         let (name, function, at) = (codel.name, codel.function, codel.place);
         format!("the codel `{function}` of {name} ({at}) could not be run: {}", failure.trouble)
     }
+}
 
-    /// How the run went, in a few lines.
-    fn figures(&self, run: &Run) -> String {
-        let figures = run.figures();
-        let turns: u64 = figures.turns.values().sum();
-        let late: u64 = figures.late.values().map(|c| c.times).sum();
-        let overruns: u64 = figures.overruns.values().map(|c| c.times).sum();
-        format!(
-            "{} s: {turns} turns of tasks, {} missed, {late} late; {} codels, {overruns} overran\n",
-            run.now().seconds(),
-            figures.all_missed(),
-            figures.calls
-        )
-    }
+/// How a run went, in a few lines.
+fn figures(run: &Run) -> String {
+    let figures = run.figures();
+    let turns: u64 = figures.turns.values().sum();
+    let late: u64 = figures.late.values().map(|c| c.times).sum();
+    let overruns: u64 = figures.overruns.values().map(|c| c.times).sum();
+    format!(
+        "{} s: {turns} turns of tasks, {} missed, {late} late; {} codels, {overruns} overran\n",
+        run.now().seconds(),
+        figures.all_missed(),
+        figures.calls
+    )
 }

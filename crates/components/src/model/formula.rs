@@ -1,9 +1,13 @@
-//! From formulas to what an atom can do: conditions over events and `running`, judged at every position, and one clock.
+//! From formulas to what an atom can do: conditions over events, `running` and the past, judged at every position, and clocks.
 
 use lapwing_bip::ast::{BinaryOp, Expr as Code, Stmt, UnaryOp};
 use lapwing_check::checked::{self, Bound, Compare, Connective, Event, EventSource, Expr, InputSource, Kind, Scope};
 use lapwing_diag::Span;
+use lapwing_genom::Model;
+use lapwing_genom::model::ServiceKind;
 use lapwing_stream::Duration;
+
+use super::past::Past;
 
 /// What an atom cannot watch for, and where that is said.
 #[derive(Clone, PartialEq, Debug)]
@@ -33,6 +37,10 @@ pub(super) struct Reader<'s> {
     pub running: Vec<(String, String)>,
     /// What is to be known of the position before: variables and conditions.
     pub before: Vec<(String, Code)>,
+    /// What is to be known of the past, those first that others are made of.
+    pub pasts: Vec<Past>,
+    /// The components.
+    pub model: Option<&'s Model>,
 }
 
 impl Reader<'_> {
@@ -116,17 +124,40 @@ impl Reader<'_> {
                 Code::path(self.flag(&name))
             }
             Kind::Input(input) => self.running(*input, e)?,
-            Kind::Once(..) | Kind::Historically(..) | Kind::Since(..) | Kind::Held(..) => {
-                return Err(beyond(e, "an operator over the past other than `previously` and `becomes`"));
+            Kind::Once(bound, inner) => {
+                let witness = self.condition(inner)?;
+                self.past(None, witness, *bound, e)?
             }
-            Kind::Compare { .. } | Kind::EventField { .. } => {
-                return Err(beyond(e, "values: the model has events and what runs, and no data"));
+            Kind::Historically(bound, inner) => {
+                let witness = not(self.condition(inner)?);
+                not(self.past(None, witness, *bound, e)?)
             }
+            Kind::Since(bound, left, right) => {
+                let (chain, witness) = (self.condition(left)?, self.condition(right)?);
+                self.past(Some(chain), witness, *bound, e)?
+            }
+            // It has held since a position that is so long ago.
+            Kind::Held(duration, inner) => {
+                let holds = self.condition(inner)?;
+                let bound = Bound { lo: *duration, ..Bound::ALL };
+                self.past(Some(holds.clone()), holds, bound, e)?
+            }
+            Kind::Compare { .. } | Kind::EventField { .. } => return Err(values(e)),
             _ if e.has_future() => {
                 return Err(beyond(e, "operators over the future but a bounded `eventually` under a `whenever`"));
             }
             _ => return Err(beyond(e, "expressions of this kind")),
         })
+    }
+
+    /// The condition that something has been so, and that something else has held since: it has been so within a bound before this position.
+    fn past(&mut self, chain: Option<Code>, witness: Code, bound: Bound, e: &Expr) -> Result<Code, Beyond> {
+        let past = Past::new(self.pasts.len() + 1, chain, witness, bound).ok_or_else(|| {
+            beyond(e, "clocks for an operator over the past whose bound has both a beginning and an end: every position would need one")
+        })?;
+        let value = past.value();
+        self.pasts.push(past);
+        Ok(value)
     }
 
     /// The variable that has the value that a condition had at the position before.
@@ -143,10 +174,19 @@ impl Reader<'_> {
             return Err(beyond(e, "an event that is no message of a component, or has a condition of its own"));
         };
         let name = spec.and_then(|s| s.topics.get(*topic)).map(|t| t.name.clone()).unwrap_or_default();
-        if name.ends_with("/report") {
-            return Err(beyond(e, "reports: the model makes several at once"));
+        if name.ends_with("/report") && !self.is_of_function(&name) {
+            return Err(beyond(e, "reports of activities: the control task makes several at once; `end` is of one"));
         }
         Ok(Code::path(self.flag(&name)))
+    }
+
+    /// Whether a topic `/C/S/report` is of a function or an attribute.
+    fn is_of_function(&self, topic: &str) -> bool {
+        let mut parts = topic.split('/').skip(1);
+        let (component, service) = (parts.next(), parts.next());
+        let component = self.model.and_then(|m| m.components.iter().find(|c| Some(c.name.as_str()) == component));
+        let service = component.and_then(|c| c.services.iter().find(|s| Some(s.name.as_str()) == service));
+        service.is_some_and(|s| s.kind != ServiceKind::Activity)
     }
 
     /// The variable that says whether there is a message of a topic at this position.
@@ -169,7 +209,7 @@ impl Reader<'_> {
             None => None,
         };
         let Some(topic) = topic.filter(|t| t.ends_with("/running")) else {
-            return Err(beyond(e, "values: the model has events and what runs, and no data"));
+            return Err(values(e));
         };
         let known = self.running.iter().find(|(t, _)| *t == topic).map(|(_, name)| name.clone());
         let name = known.unwrap_or_else(|| {
@@ -179,6 +219,10 @@ impl Reader<'_> {
         });
         Ok(Code::binary(BinaryOp::Greater, Code::path(name), Code::int(0)))
     }
+}
+
+fn values(e: &Expr) -> Beyond {
+    beyond(e, "values: codels make them, and a model has events and what runs, but no codels")
 }
 
 fn beyond(e: &Expr, what: &str) -> Beyond {

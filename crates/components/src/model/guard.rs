@@ -17,6 +17,7 @@ use lapwing_genom::model::ServiceId;
 use super::Draft;
 use super::formula::{Beyond, Reader, Shape, not, set};
 use super::letters::{Letter, letters};
+use super::past::{Past, Turn};
 use crate::request::service_of;
 use crate::signals::Signals;
 use crate::watch::Mismatch;
@@ -25,8 +26,7 @@ use crate::watch::Mismatch;
 ///
 /// # Errors
 ///
-/// The specification does not go with the components, or speaks of what the model does not have: values, reports, more of the past than
-/// the position before.
+/// The specification does not go with the components, or speaks of what the model does not have, as values, or of more than an atom can keep.
 pub fn with_monitors(
     package: Package,
     system: &System,
@@ -42,8 +42,9 @@ pub fn with_monitors(
     for property in &checked.spec.properties {
         if let Err(found) = monitor(&mut draft, model, &checked.spec, property) {
             let message = format!("`{}` cannot be a monitor in BIP: that has no {}", property.name, found.what);
-            let help = "`lapwing genom run --spec` and `lapwing check` judge it all the same";
-            wrong.push(Diagnostic::new(Error::Misplaced, found.span, message).help(help));
+            let elsewhere = "`lapwing genom run --spec` judges it, and `lapwing check` on what that records";
+            let split = "for a model, put properties that it can watch into a specification of their own";
+            wrong.push(Diagnostic::new(Error::Misplaced, found.span, message).help(elsewhere).help(split));
         }
     }
     if wrong.is_empty() {
@@ -60,7 +61,7 @@ fn monitor(draft: &mut Draft<'_>, model: &Model, spec: &checked::Spec, property:
     if !property.slices.is_empty() {
         return Err(beyond("instances for values"));
     }
-    let mut reader = Reader { spec: Some(spec), ..Reader::default() };
+    let mut reader = Reader { spec: Some(spec), model: Some(model), ..Reader::default() };
     let shape = reader.shape(formula)?;
     let name = identifier(&property.name);
     let mut atom = Monitor {
@@ -89,7 +90,7 @@ fn monitor(draft: &mut Draft<'_>, model: &Model, spec: &checked::Spec, property:
         &format!("The monitor of `{}`: {}", property.name, one_line(&property.text)),
     ));
     draft.component(&format!("{}_type", atom.name), &atom.name);
-    let (lapses, links) = (atom.lapses(), atom.links());
+    let (turns, links, monitor) = (atom.turns(), atom.links(), atom.name.clone());
     let mut firsts = vec![name.clone()];
     let mut ports = vec![path(&atom.name, "report")];
     for (action, at) in reactions(spec, property).into_iter().zip(1_usize..) {
@@ -98,13 +99,9 @@ fn monitor(draft: &mut Draft<'_>, model: &Model, spec: &checked::Spec, property:
         ports.push(debt(draft, &format!("{name}_debt_{at}"), component, service));
     }
     draft.connect(&name, ports, format!("`{}` is violated", property.name));
-    if lapses {
-        let connector = format!("{name}_lapse");
-        draft.connect(
-            &connector,
-            vec![path(&atom.name, "lapse")],
-            "Time has passed since the clock was set.".to_owned(),
-        );
+    for Turn { port, note, .. } in turns {
+        let connector = format!("{name}_{port}");
+        draft.connect(&connector, vec![path(&monitor, &port)], note.to_owned());
         firsts.push(connector);
     }
     if links {
@@ -115,6 +112,7 @@ fn monitor(draft: &mut Draft<'_>, model: &Model, spec: &checked::Spec, property:
     for (place, (high, low)) in firsts.iter().flat_map(|high| watched.iter().map(move |low| (high, low))).enumerate() {
         draft.priority(format!("{name}_goes_first_{}", place + 1), low, high);
     }
+    draft.firsts.insert(monitor, firsts);
     Ok(())
 }
 
@@ -146,7 +144,7 @@ fn debt(draft: &mut Draft<'_>, name: &str, component: usize, service: ServiceId)
     };
     draft.declare(parts::noted(DeclKind::Atom(atom), "Requests that a violation asks for, until they can be made."));
     draft.component(&format!("{name}_type"), name);
-    if let Some((_, control)) = draft.control(component)
+    if let Some((number, control)) = draft.control(component)
         && let Some(wanted) = control.request(service)
     {
         let others: Vec<String> = control
@@ -158,6 +156,7 @@ fn debt(draft: &mut Draft<'_>, name: &str, component: usize, service: ServiceId)
         let ports = vec![parts::port_path(control, &wanted.name), path(name, "ask")];
         let connector = format!("{name}_request");
         draft.connect(&connector, ports, "The request is made, before those of others.".to_owned());
+        draft.beside(number, wanted, &connector);
         for (number, low) in others.iter().enumerate() {
             draft.priority(format!("{name}_first_{}", number + 1), low, &connector);
         }
@@ -226,9 +225,17 @@ impl Monitor<'_> {
         port
     }
 
-    /// Whether it has to know that time has passed since its clock was set: what is answered at the moment itself is not answered then.
-    fn lapses(&self) -> bool {
-        matches!(self.shape, Shape::Responds { at_once: false, .. })
+    /// What it does because time has passed. What is answered at the moment itself is not answered a moment later.
+    fn turns(&self) -> Vec<Turn> {
+        let passed = Code::binary(BinaryOp::GreaterEqual, Code::path("y"), Code::int(1));
+        let lapse = Turn {
+            port: "lapse".to_owned(),
+            guard: Code::binary(BinaryOp::And, Code::path("fresh"), passed),
+            body: vec![set("fresh", false)],
+            note: "Time has passed since the clock was set.",
+        };
+        let lapses = matches!(self.shape, Shape::Responds { at_once: false, .. });
+        lapses.then_some(lapse).into_iter().chain(self.reader.pasts.iter().filter_map(Past::turn)).collect()
     }
 
     /// Whether one of its failures can belong to the violation before.
@@ -254,16 +261,16 @@ impl Monitor<'_> {
             let is_old = Code::binary(BinaryOp::And, Code::path("linked"), self.violated());
             transitions.push(transition("again", Some(is_old), eager, over()));
         }
-        if self.lapses() {
-            ports.push(exported("lapse"));
-            let passed = Code::binary(BinaryOp::GreaterEqual, Code::path("y"), Code::int(1));
-            let guard = Code::binary(BinaryOp::And, Code::path("fresh"), passed);
-            transitions.push(transition("lapse", Some(guard), eager, vec![set("fresh", false)]));
+        for Turn { port, guard, body, .. } in self.turns() {
+            ports.push(exported(&port));
+            transitions.push(transition(&port, Some(guard), eager, body));
         }
+        let past = self.past_flags().map(|name| data("bool", &name));
+        let clocks = ["x".to_owned(), "y".to_owned()].into_iter().chain(self.reader.pasts.iter().map(Past::clock));
         AtomType {
             name: format!("{}_type", self.name).into(),
-            data: flags.chain(counts).chain(before).chain(own).collect(),
-            clocks: ["x", "y"].map(|name| Clock { name: name.into(), unit: TimeUnit::Nanosecond }).to_vec(),
+            data: flags.chain(counts).chain(before).chain(past).chain(own).collect(),
+            clocks: clocks.map(|name| Clock { name: name.into(), unit: TimeUnit::Nanosecond }).collect(),
             ports,
             places: vec![WATCH.into()],
             initial: Initial { places: vec![WATCH.into()], body: self.first(), ..Initial::default() },
@@ -272,13 +279,18 @@ impl Monitor<'_> {
         }
     }
 
+    fn past_flags(&self) -> impl Iterator<Item = String> {
+        self.reader.pasts.iter().flat_map(Past::flags)
+    }
+
     /// Before anything happens: nothing runs, and that is the first position.
     fn first(&self) -> Vec<Stmt> {
         let flags = self.reader.events.iter().map(|(_, name)| set(name, false));
         let counts = self.reader.running.iter().map(|(_, name)| Stmt::assign(name.as_str(), Code::int(0)));
         let before = self.reader.before.iter().map(|(name, _)| set(name, false));
         let own = OWN.map(|name| set(name, false));
-        let mut all: Vec<Stmt> = flags.chain(counts).chain(before).chain(own).collect();
+        let past = self.past_flags().map(|name| set(&name, false));
+        let mut all: Vec<Stmt> = flags.chain(counts).chain(before).chain(past).chain(own).collect();
         // Over events alone there is no position before the first of them.
         if !self.reader.running.is_empty() {
             all.extend(self.step(None));
@@ -316,7 +328,8 @@ impl Monitor<'_> {
     fn step(&self, topic: Option<&str>) -> Vec<Stmt> {
         let zero = |clock: &str| Stmt::assign(clock, Code::int(0));
         let open = || Code::path("open");
-        let mut all = match &self.shape {
+        let mut all: Vec<Stmt> = self.reader.pasts.iter().flat_map(Past::step).collect();
+        all.extend(match &self.shape {
             Shape::Always(condition) => {
                 let first = Code::binary(BinaryOp::And, not(condition.clone()), not(Code::path("bad")));
                 vec![
@@ -348,7 +361,7 @@ impl Monitor<'_> {
             }
             Shape::Fresh { topic: own, .. } if topic == Some(own) => vec![set("open", true), zero("x")],
             Shape::Fresh { .. } => Vec::new(),
-        };
+        });
         all.extend(self.reader.before.iter().map(|(name, condition)| Stmt::assign(name.as_str(), condition.clone())));
         all
     }

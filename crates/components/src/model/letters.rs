@@ -37,8 +37,10 @@ pub(super) fn letters(model: &Model, system: &System, automaton: usize, edge: &E
             all.push(Letter::Message(topic(if begins { "start" } else { "end" })));
         }
         Part::Control => {
-            if let Some(service) = edge.request.and_then(|id| component.services.get(id.0)) {
-                all.push(Letter::Message(format!("/{}/{}/request", component.name, service.name)));
+            for (service, word) in [(edge.request, "request"), (edge.concludes, "report")] {
+                if let Some(service) = service.and_then(|id| component.services.get(id.0)) {
+                    all.push(Letter::Message(format!("/{}/{}/{word}", component.name, service.name)));
+                }
             }
         }
         _ => {}

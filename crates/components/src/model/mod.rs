@@ -9,6 +9,7 @@ mod client;
 mod formula;
 mod guard;
 mod letters;
+mod past;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,7 +17,7 @@ use lapwing_bip::ast::{
     Component, CompoundType, Connector, Decl, DeclKind, Package, Path, PortExpr, PortExprKind, Priority, Side,
 };
 use lapwing_diag::Span;
-use lapwing_genom::automata::{Automaton, Part, System};
+use lapwing_genom::automata::{Automaton, Edge, Part, System};
 use lapwing_genom::emit::{bip_name, parts};
 
 pub use client::with_requests;
@@ -30,6 +31,10 @@ struct Draft<'d> {
     shapes: BTreeSet<String>,
     /// For each edge that somebody watches: the ports of those who do.
     watchers: BTreeMap<(usize, usize), Vec<Path>>,
+    /// Connectors by which an edge is taken besides its own: requests that reactions make.
+    besides: Vec<((usize, usize), String)>,
+    /// By monitor: the connectors that go before whatever it watches.
+    firsts: BTreeMap<String, Vec<String>>,
 }
 
 impl<'d> Draft<'d> {
@@ -38,7 +43,14 @@ impl<'d> Draft<'d> {
             DeclKind::Connector(ty) => Some(ty.name.text.clone()),
             _ => None,
         });
-        Draft { shapes: shapes.collect(), package, system, watchers: BTreeMap::new() }
+        Draft {
+            shapes: shapes.collect(),
+            package,
+            system,
+            watchers: BTreeMap::new(),
+            besides: Vec::new(),
+            firsts: BTreeMap::new(),
+        }
     }
 
     fn root(&mut self) -> Option<&mut CompoundType> {
@@ -69,17 +81,21 @@ impl<'d> Draft<'d> {
         name
     }
 
-    /// A connector type in which the first `size` take part together, and others join them where they can.
+    /// A connector type in which the first `size` take part together, and others join them. These join all at once: a monitor is always ready,
+    /// and each by itself would make twice as many interactions.
     fn broadcast(&mut self, size: usize, others: usize) -> String {
         let name = format!("Watched{size}_{others}");
         self.shape(&name, || {
-            let one = |number| PortExpr::synchron(parts::port_of(number));
-            let first = match size {
-                1 => PortExpr::trigger(parts::port_of(1)),
-                _ => PortExpr { kind: PortExprKind::Group((1..=size).map(one).collect()), is_trigger: true },
+            let together = |from: usize, to: usize, is_trigger: bool| {
+                let one = |number| PortExpr::synchron(parts::port_of(number));
+                match (from == to, is_trigger) {
+                    (true, true) => PortExpr::trigger(parts::port_of(from)),
+                    (true, false) => one(from),
+                    (false, _) => PortExpr { kind: PortExprKind::Group((from..=to).map(one).collect()), is_trigger },
+                }
             };
-            let joining = (size + 1..=size + others).map(one);
-            parts::connector_type(&name, size + others, std::iter::once(first).chain(joining).collect())
+            let all = vec![together(1, size, true), together(size + 1, size + others, false)];
+            parts::connector_type(&name, size + others, all)
         });
         name
     }
@@ -115,6 +131,14 @@ impl<'d> Draft<'d> {
         self.watchers.entry((automaton, edge)).or_default().push(port);
     }
 
+    /// A request is also taken by another connector than its own.
+    fn beside(&mut self, automaton: usize, request: &Edge, connector: &str) {
+        let edges = self.system.automata.get(automaton).map_or(&[][..], |a| &a.edges);
+        if let Some(edge) = edges.iter().position(|edge| edge.request == request.request) {
+            self.besides.push(((automaton, edge), connector.to_owned()));
+        }
+    }
+
     /// The automaton of a component's control task.
     fn control(&self, component: usize) -> Option<(usize, &'d Automaton)> {
         let is_it = |a: &Automaton| a.part == Part::Control && a.component == component;
@@ -124,27 +148,20 @@ impl<'d> Draft<'d> {
     /// Joins those who watch to what they watch, and gives the model.
     fn finish(mut self) -> Package {
         let watchers = std::mem::take(&mut self.watchers);
+        let besides = std::mem::take(&mut self.besides);
         for ((automaton, edge), ports) in watchers {
             let Some(declared) = self.system.automata.get(automaton) else { continue };
-            let Some(edge) = declared.edges.get(edge) else { continue };
-            let name = parts::connector(declared, &edge.name);
-            let known = self.root().and_then(|root| root.connectors.iter().position(|c| c.name.text == name));
-            let own = parts::port_path(declared, &edge.name);
-            if known.is_none() {
-                self.export(declared, &edge.name);
+            let Some(taken) = declared.edges.get(edge) else { continue };
+            let name = parts::connector(declared, &taken.name);
+            if self.connector(&name).is_none() {
+                self.export(declared, &taken.name);
+                let own = parts::port_path(declared, &taken.name);
+                self.connect(&name, vec![own], "It is watched.".to_owned());
             }
-            let size = known.and_then(|at| Some(self.root()?.connectors.get(at)?.ports.len())).unwrap_or(1);
-            let ty = self.broadcast(size, ports.len());
-            let Some(root) = self.root() else { continue };
-            match known.and_then(|at| root.connectors.get_mut(at)) {
-                Some(connector) => {
-                    connector.ty = ty.into();
-                    connector.ports.extend(ports);
-                }
-                None => {
-                    let ports = std::iter::once(own).chain(ports).collect();
-                    root.connectors.push(Connector { notes: Vec::new(), ty: ty.into(), name: name.into(), ports });
-                }
+            self.join(&name, &ports);
+            for (_, other) in besides.iter().filter(|(at, _)| *at == (automaton, edge)) {
+                self.join(other, &ports);
+                self.go_first(other, &ports);
             }
         }
         // A connector may be gone because nobody makes the request that it was for.
@@ -154,6 +171,29 @@ impl<'d> Draft<'d> {
             root.priorities.retain(|p| is_there(&p.low) && is_there(&p.high));
         }
         self.package
+    }
+
+    fn connector(&mut self, name: &str) -> Option<&mut Connector> {
+        self.root()?.connectors.iter_mut().find(|c| c.name.text == name)
+    }
+
+    /// Ports join a connector by broadcast.
+    fn join(&mut self, name: &str, ports: &[Path]) {
+        let Some(size) = self.connector(name).map(|connector| connector.ports.len()) else { return };
+        let ty = self.broadcast(size, ports.len());
+        if let Some(connector) = self.connector(name) {
+            connector.ty = ty.into();
+            connector.ports.extend(ports.iter().cloned());
+        }
+    }
+
+    /// What the monitors of these ports do by themselves goes before a connector.
+    fn go_first(&mut self, low: &str, ports: &[Path]) {
+        for monitor in ports.iter().filter_map(|port| port.parts.first()).map(|name| name.text.clone()) {
+            for (number, high) in self.firsts.get(&monitor).cloned().unwrap_or_default().iter().enumerate() {
+                self.priority(format!("{low}_after_{monitor}_{}", number + 1), low, high);
+            }
+        }
     }
 
     /// The port of an edge is seen from outside.

@@ -7,7 +7,7 @@ use lapwing_genom::model::{Codel as Declared, CodelId, Role};
 use lapwing_stream::{Duration, Time};
 
 use super::known::Known;
-use super::workers::{Lane, Returned, between, guarded};
+use super::stage::{Job, Lane, Returned, between, guarded};
 use super::{Done, Flight, Run};
 use crate::codel::{Answer, Call, Trouble, TroubleKind};
 use crate::happening::{Failure, What};
@@ -21,7 +21,7 @@ impl Run {
     pub(super) fn begin(&mut self, automaton: usize, codel: CodelId) {
         let Some(component) = self.system.automata.get(automaton).map(|a| a.component) else { return };
         self.tell(What::Called { component, codel });
-        let is_logical = self.workers.is_none();
+        let is_logical = !self.setup.is_real;
         let at = (component, codel.0);
         let model = self.model.clone();
         let Some(declared) = model.components.get(component).and_then(|c| c.codels.get(codel.0)) else { return };
@@ -43,10 +43,7 @@ impl Run {
         }
         self.note(automaton, Flight { codel, began: self.now, held: None });
         let lane = self.lane(automaton, component, declared);
-        let is_given = self.workers.as_mut().is_some_and(|workers| workers.give(lane, automaton, call, written));
-        if !is_given {
-            self.fail(component, codel, Trouble::wrong("there is no thread to run it on"));
-        }
+        self.jobs.push(Job { lane, automaton, call, codel: written });
     }
 
     fn known(&self, at: (usize, usize)) -> Option<&Known> {
@@ -63,6 +60,21 @@ impl Run {
         self.calls += 1;
         self.returns.push(Reverse((self.now.0.saturating_add(took.nanos()), self.calls, automaton)));
         self.note(automaton, Flight { codel, began: self.now, held: Some(Done { call, answer, took }) });
+    }
+
+    /// In real time: there is no thread for a codel.
+    pub(super) fn stranded(&mut self, automaton: usize) {
+        let codel = self.flights.get_mut(automaton).and_then(Option::take).map(|flight| flight.codel);
+        let component = self.system.automata.get(automaton).map(|a| a.component);
+        if let (Some(component), Some(codel)) = (component, codel) {
+            self.fail(component, codel, Trouble::wrong("there is no thread to run it on"));
+        }
+    }
+
+    /// In real time: when the codel that has been away for longest counts as hung.
+    pub(super) fn hangs_at(&self) -> Option<i64> {
+        let away = self.flights.iter().flatten().filter(|f| f.held.is_none()).map(|f| f.began.0).min();
+        away.map(|began| began.saturating_add(self.setup.patience.nanos()))
     }
 
     fn note(&mut self, automaton: usize, flight: Flight) {

@@ -1,19 +1,20 @@
 //! A run: automata that move, codels that are called, requests that are made, and time, which passes only where nothing else can happen.
 //!
-//! [`Run::advance`] gives one [`Happening`] after the other. Nothing happens in between: who asks for a service on hearing of something does so
-//! before time passes. In logical time a codel is called where its automaton begins it, what it has done is there when its time is over, and
-//! everything that is drawn comes from the seed; in real time codels run on threads of their tasks.
+//! [`Run::carry_out`] tells an [`Observer`] one [`Happening`] after the other, and in logical time [`Run::advance`] gives them. Nothing happens in
+//! between: who asks for a service on hearing of something does so before time passes. In logical time a codel is called where its automaton begins
+//! it, what it has done is there when its time is over, and everything that is drawn comes from the seed; in real time codels run on threads of
+//! their tasks.
 
 mod calls;
 mod known;
 mod moves;
+mod stage;
 mod table;
-mod workers;
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 use std::sync::Arc;
-use std::sync::mpsc::Sender;
+use std::sync::mpsc::{self, Receiver, Sender};
 
 use lapwing_genom::Model;
 use lapwing_genom::automata::{self, Part, Settings, System};
@@ -32,8 +33,10 @@ use crate::store::{Locals, Store};
 use crate::types::Types;
 
 use known::Known;
+use stage::{Job, Word};
 use table::Table;
-use workers::{Word, Workers};
+
+pub use stage::Observer;
 
 /// How components are run.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -138,8 +141,12 @@ pub struct Run {
     laters: Vec<Option<Request>>,
     happened: VecDeque<Happening>,
     wake: Option<Time>,
-    workers: Option<Workers>,
-    has_begun: bool,
+    /// In real time: codels that are to be called, and by whom.
+    jobs: Vec<Job>,
+    /// In real time: how others say something to it.
+    mouth: Option<Sender<Word>>,
+    /// What they say, before somebody listens.
+    words: Option<Receiver<Word>>,
     is_over: bool,
 }
 
@@ -202,6 +209,7 @@ impl Run {
         }
         let cells = || system.cells.iter().enumerate();
         let tasks = || system.tasks.iter().enumerate();
+        let (mouth, words) = setup.is_real.then(mpsc::channel).unzip();
         Ok(Run {
             machine: Machine::new(system.clone()),
             store,
@@ -223,8 +231,9 @@ impl Run {
             laters: Vec::new(),
             happened: VecDeque::new(),
             wake: None,
-            workers: setup.is_real.then(Workers::new),
-            has_begun: false,
+            jobs: Vec::new(),
+            mouth,
+            words,
             is_over: false,
             codels: model
                 .components
@@ -265,7 +274,7 @@ impl Run {
 
     /// Who asks for services from other threads; only in real time.
     pub fn client(&self) -> Option<Client> {
-        self.workers.as_ref().map(|workers| Client { mouth: workers.mouth() })
+        self.mouth.clone().map(|mouth| Client { mouth })
     }
 
     /// Has a request made at a time; one in the past is made at once.
@@ -310,13 +319,24 @@ impl Run {
         self.end();
     }
 
-    /// What happens next; `None` where it is over.
+    /// What happens next, in logical time; `None` where it is over.
     pub fn advance(&mut self) -> Option<Happening> {
-        if !std::mem::replace(&mut self.has_begun, true)
-            && let Some(workers) = &mut self.workers
-        {
-            workers.begin();
+        loop {
+            if let Some(next) = self.step() {
+                return Some(next);
+            }
+            if self.is_over {
+                return None;
+            }
+            match self.next_due().filter(|_| !self.setup.is_real) {
+                Some(at) => self.now = Time(at.max(self.now.0)),
+                None => self.end(),
+            }
         }
+    }
+
+    /// What happens next before time passes.
+    fn step(&mut self) -> Option<Happening> {
         loop {
             if let Some(next) = self.happened.pop_front() {
                 return Some(next);
@@ -326,7 +346,8 @@ impl Run {
             }
             match self.machine.next(self.now) {
                 Some(next) => self.handle(next),
-                None => self.pass(),
+                None if !self.due() => return None,
+                None => {}
             }
         }
     }
@@ -361,71 +382,45 @@ impl Run {
         }
     }
 
-    /// Lets time pass to the next thing that is due, and does that.
-    fn pass(&mut self) {
-        let first = |heap: &BinaryHeap<Due>| heap.peek().map(|Reverse((at, ..))| *at);
-        let end = self.setup.duration.map(|d| d.nanos());
+    /// When the next thing is due.
+    fn next_due(&self) -> Option<i64> {
+        let returns = self.returns.peek().map(|Reverse((at, ..))| *at);
         let timer = self.machine.next_timer().map(|t| t.0);
-        let due = [first(&self.returns), first(&self.later), timer, self.wake.map(|t| t.0), end];
-        let next = due.into_iter().flatten().min();
-        match self.workers.is_some() {
-            true => self.wait(next),
-            false => match next {
-                Some(at) => {
-                    self.now = Time(at.max(self.now.0));
-                    self.due();
-                }
-                None => self.end(),
-            },
-        }
+        [returns, timer, self.next_wanted()].into_iter().flatten().min()
     }
 
-    /// Does one thing that is due by now: codels return, then requests are made, then periods begin, then somebody is woken, then it ends.
-    fn due(&mut self) {
+    /// When next something is due that somebody outside has asked for.
+    fn next_wanted(&self) -> Option<i64> {
+        let later = self.later.peek().map(|Reverse((at, ..))| *at);
+        let end = self.setup.duration.map(|d| d.nanos());
+        [later, self.wake.map(|t| t.0), end].into_iter().flatten().min()
+    }
+
+    /// Does one thing that is due by now: codels return, then requests are made, then periods begin, then somebody is woken, then it ends. `false`
+    /// where there is none.
+    fn due(&mut self) -> bool {
         let now = self.now.0;
         let take = |heap: &mut BinaryHeap<Due>| {
             let is_due = heap.peek().is_some_and(|Reverse((at, ..))| *at <= now);
             if is_due { heap.pop().map(|Reverse((_, _, number))| number) } else { None }
         };
         if let Some(automaton) = take(&mut self.returns) {
-            return self.land(automaton);
-        }
-        if let Some(number) = take(&mut self.later) {
+            self.land(automaton);
+        } else if let Some(number) = take(&mut self.later) {
             if let Some(request) = self.laters.get_mut(number).and_then(Option::take) {
                 self.ask(request, None, false);
             }
-            return;
-        }
-        if let Some((at, next)) = self.machine.tick(self.now) {
-            return self.ticks(at, next);
-        }
-        if self.wake.is_some_and(|wake| wake.0 <= now) {
+        } else if let Some((at, next)) = self.machine.tick(self.now) {
+            self.ticks(at, next);
+        } else if self.wake.is_some_and(|wake| wake.0 <= now) {
             self.wake = None;
-            return self.tell(What::Woken);
-        }
-        if self.setup.duration.is_some_and(|end| end.nanos() <= now) {
+            self.tell(What::Woken);
+        } else if self.setup.duration.is_some_and(|end| end.nanos() <= now) {
             self.end();
+        } else {
+            return false;
         }
-    }
-
-    /// In real time: waits until the next thing is due, or for a codel or a request.
-    fn wait(&mut self, next: Option<i64>) {
-        let hangs = self.flights.iter().flatten().filter(|f| f.held.is_none()).map(|f| f.began.0).min();
-        let hangs = hangs.map(|began| began.saturating_add(self.setup.patience.nanos()));
-        let until = [next, hangs].into_iter().flatten().min().map(Time);
-        let Some(workers) = &self.workers else { return };
-        let is_due = next.is_some_and(|next| next <= workers.now().0);
-        let word = if is_due { workers.wait(Some(Time(0))) } else { workers.wait(until) };
-        self.now = Time(workers.now().0.max(self.now.0));
-        match word {
-            Some(Word::Returned(returned)) => self.returned(*returned),
-            Some(Word::Request(request)) => _ = self.ask(request, None, false),
-            Some(Word::Stop) => self.end(),
-            None => {
-                self.hung();
-                self.due();
-            }
-        }
+        true
     }
 
     /// Evenly from 0 to 1, 1 excluded.

@@ -12,20 +12,23 @@ impl Run {
     pub(super) fn handle(&mut self, next: Move) {
         match next {
             Move::Begins { automaton, codel } => self.begin(automaton, codel),
-            Move::Taken { automaton, edge, changes } => self.taken(automaton, edge, &changes),
+            Move::Taken { automaton, edge } => self.taken(automaton, edge),
             Move::Listens { automaton } => self.listens(automaton),
         }
     }
 
     /// A timer has moved: its period began at `at`.
     pub(super) fn ticks(&mut self, at: Time, next: Move) {
-        let Move::Taken { automaton, edge, changes } = next else { return };
+        let Move::Taken { automaton, edge } = next else { return };
         let Some(number) = self.task_of_timer.get(automaton) else { return };
         self.figures.moves += 1;
         // The last edge of a timer is its period; those before only wait until it may begin.
         let is_period = self.machine.edge(automaton, edge).is_some_and(|e| e.from == e.to);
         let Some(task) = self.system.tasks.get(number).copied().filter(|_| is_period) else { return };
-        if changes.is_empty() {
+        let changes = self.machine.take_changes();
+        let is_missed = changes.is_empty();
+        self.machine.give_back(changes);
+        if is_missed {
             self.figures.miss((task.component, task.task));
             self.tell(What::Missed { component: task.component, task: task.task });
         }
@@ -34,23 +37,30 @@ impl Run {
         }
     }
 
-    fn taken(&mut self, automaton: usize, number: usize, changes: &[Change]) {
+    fn taken(&mut self, automaton: usize, number: usize) {
         self.figures.moves += 1;
-        let system = self.system.clone();
-        let Some(declared) = system.automata.get(automaton) else { return };
+        let Some(declared) = self.system.automata.get(automaton) else { return };
         let Some(edge) = declared.edges.get(number) else { return };
-        match declared.part {
-            Part::Manager if edge.from != edge.to && edge.from == LocId(0) => self.turn(automaton),
-            Part::Activity => self.activity(automaton, edge.from, edge.to),
-            _ => {}
+        let (component, from, to) = (declared.component, edge.from, edge.to);
+        let (is_activity, is_refusal) = (declared.part == Part::Activity, edge.is_refusal);
+        let is_turn = declared.part == Part::Manager && from != to && from == LocId(0);
+        let concludes = declared.part == Part::Control
+            && edge.class != Class::Request
+            && declared.locations.get(to.0).is_some_and(|l| l.name == "finish");
+        if is_turn {
+            self.turn(automaton);
         }
-        changes.iter().for_each(|change| self.status(declared.component, *change));
-        if declared.part == Part::Activity && edge.to == ETHER && edge.from != ETHER {
+        if is_activity {
+            self.activity(automaton, from, to);
+        }
+        let changes = self.machine.take_changes();
+        changes.iter().for_each(|change| self.status(component, *change));
+        self.machine.give_back(changes);
+        if is_activity && to == ETHER && from != ETHER {
             self.ended(automaton);
         }
-        let concludes = declared.locations.get(edge.to.0).is_some_and(|l| l.name == "finish");
-        if declared.part == Part::Control && concludes && edge.class != Class::Request {
-            self.concluded(declared.component, edge.is_refusal);
+        if concludes {
+            self.concluded(component, is_refusal);
         }
     }
 
@@ -172,13 +182,13 @@ impl Run {
         let Some(pending) = self.controls.get_mut(component).and_then(|c| c.waiting.pop_front()) else { return };
         let (id, whose) = (pending.id, pending.whose);
         match self.machine.offer(automaton, whose.service, self.now) {
-            Offer::Taken { edge, changes } => {
+            Offer::Taken(edge) => {
                 if let Some(control) = self.controls.get_mut(component) {
                     control.current = Some(pending);
                     control.thrown = None;
                     control.last = None;
                 }
-                self.taken(automaton, edge, &changes);
+                self.taken(automaton, edge);
             }
             refused => {
                 let why = if refused == Offer::Disallowed { "disallowed" } else { "there is nothing to run" };

@@ -7,7 +7,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use lapwing_components::{Codels, Happening, Run, Setup, Teller, What, request};
+use lapwing_components::{Codels, Happening, Observer, Run, Setup, Teller, What, request};
 use lapwing_diag::{SourceMap, Style, render};
 use lapwing_genom::{Files, Model, Options, load};
 use lapwing_stream::Duration;
@@ -50,6 +50,22 @@ pub fn start(model: &Arc<Model>, setup: Setup, codels: Codels, requests: &str) -
 /// Everything that happens.
 pub fn all(run: &mut Run) -> Vec<Happening> {
     std::iter::from_fn(|| run.advance()).collect()
+}
+
+/// Who keeps what happens.
+#[derive(Default)]
+struct Seen(Vec<Happening>);
+
+impl Observer for Seen {
+    fn see(&mut self, _: &mut Run, happening: &Happening) {
+        self.0.push(happening.clone());
+    }
+}
+
+/// Everything that happens in real time.
+pub fn all_real(run: Run) -> (Run, Vec<Happening>) {
+    let (run, seen) = run.carry_out(Seen::default());
+    (run, seen.0)
 }
 
 /// The lines about it.

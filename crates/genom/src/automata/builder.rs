@@ -61,6 +61,7 @@ impl Builder {
             resets: false,
             call: None,
             is_refusal: false,
+            concludes: None,
             span: draft.span,
         });
         let last = self.automaton.edges.len() - 1;

@@ -63,7 +63,8 @@ impl Control<'_, '_> {
         if let Some(validate) = service.validate {
             let accepted = self.builder.location(&format!("{}_accepted", service.name), None, None, span);
             let ends = [("accept", accepted, Vec::new()), ("reject", self.finish, Vec::new())];
-            self.run(&format!("{}_validate", service.name), at, validate, &ends);
+            let concludes = Some(id).filter(|_| service.kind != ServiceKind::Activity);
+            self.run(&format!("{}_validate", service.name), at, validate, &ends, concludes);
             at = accepted;
         }
         match service.kind {
@@ -78,26 +79,35 @@ impl Control<'_, '_> {
         last.extend(self.plan.done.get(&id).map(|done| Action::Set(*done, 1)));
         last.extend(self.plan.wake(None));
         let Some((final_codel, others)) = service.codels.split_last() else {
-            return self.edge(&format!("{}_done", service.name), at, self.finish, Cond::always(), last, service.span);
+            let draft = Draft {
+                from: at,
+                to: self.finish,
+                class: Class::Control,
+                guard: Cond::always(),
+                actions: last,
+                span: service.span,
+            };
+            self.builder.named(&format!("{}_done", service.name), draft).eager().concludes = Some(id);
+            return;
         };
         for codel in others {
             let next = self.builder.location(&format!("{}_then", service.name), None, None, service.span);
-            self.serving(service, at, *codel, ("next", next, Vec::new()));
+            self.serving(id, service, at, *codel, ("next", next, Vec::new()));
             at = next;
         }
-        self.serving(service, at, *final_codel, ("done", self.finish, last));
+        self.serving(id, service, at, *final_codel, ("done", self.finish, last));
     }
 
     /// Runs a codel of a function; where it may throw an exception, that is the function's end.
-    fn serving(&mut self, service: &Service, at: LocId, codel: CodelId, end: End<'_>) {
+    fn serving(&mut self, id: ServiceId, service: &Service, at: LocId, codel: CodelId, end: End<'_>) {
         let throws = self.plan.settings.runtime && self.plan.settings.exceptions;
         let thrown = throws.then(|| ("throw", self.finish, Vec::new()));
         let ends: Vec<End<'_>> = std::iter::once(end).chain(thrown).collect();
-        self.run(&format!("{}_run", service.name), at, codel, &ends);
+        self.run(&format!("{}_run", service.name), at, codel, &ends, Some(id));
     }
 
-    /// Runs a codel from a location: it takes its lock, takes its time, and leads to one of `ends`.
-    fn run(&mut self, name: &str, from: LocId, codel: CodelId, ends: &[End<'_>]) {
+    /// Runs a codel from a location: it takes its lock, takes its time, and leads to one of `ends`. At the finish it concludes a service.
+    fn run(&mut self, name: &str, from: LocId, codel: CodelId, ends: &[End<'_>], concludes: Option<ServiceId>) {
         let declared = self.plan.component.codels.get(codel.0);
         let (wcet_ns, span) = declared.map_or((None, self.plan.component.span), |c| (c.wcet_ns, c.span));
         let exec = self.builder.location(&format!("{name}_exec"), Some(codel), wcet_ns, span);
@@ -105,6 +115,7 @@ impl Control<'_, '_> {
         let take = lock.map(|lock| Action::Set(lock, 1)).into_iter().collect();
         let draft = Draft { from, to: exec, class: Class::Mutex, guard: self.plan.is_free(codel), actions: take, span };
         self.builder.named(&format!("{name}_begin"), draft).eager().resets(true);
+        let finish = self.finish;
         for (end, to, actions) in ends {
             let release = lock.map(|lock| Action::Set(lock, 0)).into_iter();
             let draft = Draft {
@@ -117,6 +128,7 @@ impl Control<'_, '_> {
             };
             let edge = self.builder.named(&format!("{name}_{end}"), draft).clock(ClockGuard::Positive);
             edge.is_refusal = matches!(*end, "reject" | "throw");
+            edge.concludes = concludes.filter(|_| *to == finish);
         }
     }
 

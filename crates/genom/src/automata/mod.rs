@@ -242,6 +242,8 @@ pub struct Edge {
     pub call: Option<Call>,
     /// Whether it leaves a codel of the control task that has refused, or has thrown an exception.
     pub is_refusal: bool,
+    /// The function or attribute on which it is reported, as done or as refused. Activities are reported together, when they have ended.
+    pub concludes: Option<ServiceId>,
     /// Where the specification has it.
     pub span: Span,
 }

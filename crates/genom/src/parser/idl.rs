@@ -3,8 +3,11 @@
 use lapwing_diag::{Code, Diagnostic};
 
 use super::expr::joined;
-use super::{Parser, Read};
+use super::{Parser, Read, Unread};
 use crate::ast::{Basic, Case, Decl, Declarator, Expr, Ident, Member, Type, TypeKind};
+
+/// An array has no more dimensions: what looks into it goes one level deeper for each.
+const MOST_DIMENSIONS: usize = 32;
 
 impl Parser<'_> {
     /// Whether a declaration of a type or constant begins here.
@@ -70,7 +73,14 @@ impl Parser<'_> {
     pub(super) fn declarator(&mut self) -> Read<Declarator> {
         let name = self.name("a name")?;
         let mut lengths = Vec::new();
-        while self.eat("[") {
+        while self.is("[") {
+            let bracket = self.bump();
+            if lengths.len() >= MOST_DIMENSIONS {
+                let message = format!("`{}` is an array of more than {MOST_DIMENSIONS} dimensions", name.name);
+                let help = "put arrays into a structure, or give one a name by `typedef` and take that as elements";
+                self.report(Diagnostic::new(Code::TooDeep, bracket.span, message).help(help));
+                return Err(Unread);
+            }
             lengths.push(self.expr()?);
             self.want("]", "after the length of the array")?;
         }

@@ -6,6 +6,9 @@ use super::types::{Names, Passing, labels};
 use super::{NotInC, c_codels, fingerprint};
 use crate::model::{Codel, Component, Direction, Object, Port, Type, TypeDefKind, TypeId};
 
+/// Arrays, sequences and optional values stand inside one another no deeper than this; structures have functions of their own.
+const MOST_DEPTH: usize = 64;
+
 /// What reads and writes bytes, the same for all components.
 pub(super) const WIRE: &str = r#"/* Bytes of calls and answers. Made by a program. */
 #ifndef LAPWING_WIRE_H
@@ -220,6 +223,11 @@ impl Glue<'_, '_> {
 
     /// Reads, writes or gives up a value at a place.
     fn value(&mut self, ty: &Type, at: &str, way: Way, depth: usize) -> Result<(), NotInC> {
+        if depth > MOST_DEPTH {
+            return Err(NotInC(format!(
+                "C codels cannot be given values that nest more than {MOST_DEPTH} levels deep"
+            )));
+        }
         let margin = "  ".repeat(depth);
         let word = way.word();
         let shape = self.names.shape(ty).clone();
@@ -359,9 +367,11 @@ impl Glue<'_, '_> {
     }
 
     fn single(&mut self, name: &str, port: &Port) -> Result<(), NotInC> {
-        let (p, ty) = (&port.name, self.names.pointer(&port.ty)?);
+        let (p, ty) = (&port.name, self.names.pointer(&port.ty, &format!("{name}_{}_element", port.name))?);
+        let address = self.names.address(&port.ty);
         // A port out can be prepared before anything has been written; of a port in there is nothing then.
-        let there = if port.is_out { format!("&call->{p}") } else { format!("call->has_{p} ? &call->{p} : 0") };
+        let there =
+            if port.is_out { format!("{address}call->{p}") } else { format!("call->has_{p} ? {address}call->{p} : 0") };
         self.say(format!("static {ty}{p}_data(genom_context self) {{\n  struct call *call = (struct call *)self;\n  return {there};\n}}"));
         self.say(format!("static genom_event {p}_read(genom_context self) {{ (void)self; return genom_ok; }}"));
         let mut table = format!("{p}_data, {p}_read");
@@ -381,7 +391,8 @@ impl Glue<'_, '_> {
     }
 
     fn multiple(&mut self, name: &str, port: &Port) -> Result<(), NotInC> {
-        let (p, ty) = (&port.name, self.names.pointer(&port.ty)?);
+        let (p, ty) = (&port.name, self.names.pointer(&port.ty, &format!("{name}_{}_element", port.name))?);
+        let address = self.names.address(&port.ty);
         self.say(format!("static struct one_{p} *{p}_find(const char *id, genom_context self, bool makes) {{"));
         self.say(format!("  struct call *call = (struct call *)self;\n  struct one_{p} *one = call->{p};"));
         self.say("  while (one && strcmp(one->id, id) != 0) one = one->next;");
@@ -390,7 +401,7 @@ impl Glue<'_, '_> {
         self.say(format!("    one->next = call->{p};\n    call->{p} = one;\n  }}\n  return one;\n}}"));
         let makes = if port.is_out { "true" } else { "false" };
         let has = if port.is_out { "one" } else { "one && one->has" };
-        self.say(format!("static {ty}{p}_data(const char *id, genom_context self) {{\n  struct one_{p} *one = {p}_find(id, self, {makes});\n  return {has} ? &one->value : 0;\n}}"));
+        self.say(format!("static {ty}{p}_data(const char *id, genom_context self) {{\n  struct one_{p} *one = {p}_find(id, self, {makes});\n  return {has} ? {address}one->value : 0;\n}}"));
         for word in ["open", "close", "read"] {
             self.say(format!("static genom_event {p}_{word}(const char *id, genom_context self) {{ (void)id; (void)self; return genom_ok; }}"));
         }

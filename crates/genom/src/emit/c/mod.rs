@@ -114,9 +114,11 @@ fn header(names: &Names<'_>, component: &Component) -> Result<String, NotInC> {
     out += &exceptions(names, component)?;
     out += "\n/* Ports. */\n";
     for port in &component.ports {
-        let ty = names.pointer(&port.ty)?;
-        let (id, first) = if port.multiple { ("const char *id, ", "const char *id, ") } else { ("", "") };
         let own = format!("{name}_{}", port.name);
+        let element = format!("{own}_element");
+        let ty = names.pointer(&port.ty, &element)?;
+        let (id, first) = if port.multiple { ("const char *id, ", "const char *id, ") } else { ("", "") };
+        out += &names.element(&port.ty, &element)?;
         out += &format!("typedef struct {own} {{\n  {ty} (*data)({id}genom_context self);\n");
         if port.multiple {
             out += &format!(

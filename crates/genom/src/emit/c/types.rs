@@ -142,14 +142,32 @@ impl Names<'_> {
         })
     }
 
-    /// The type of an address of it, for what a port returns.
-    pub(super) fn pointer(&self, ty: &Type) -> Result<String, NotInC> {
+    /// The type of what a port returns: the address of its content; of an array, as C has it, that of the first element, of which `element` is
+    /// the name where it is an array itself.
+    pub(super) fn pointer(&self, ty: &Type, element: &str) -> Result<String, NotInC> {
+        Ok(match self.shape(ty) {
+            Type::Array(inner, _) => match self.shape(inner) {
+                Type::Array(..) | Type::Text(Some(_)) => format!("{element} *"),
+                _ => format!("{} *", self.base(inner)?),
+            },
+            Type::Text(Some(_)) => "char *".to_owned(),
+            _ => format!("{} *", self.base(ty)?),
+        })
+    }
+
+    /// The declaration of such a name, where one is needed.
+    pub(super) fn element(&self, ty: &Type, element: &str) -> Result<String, NotInC> {
         match self.shape(ty) {
-            Type::Array(..) | Type::Text(_) => Err(NotInC(
-                "a port of an array or a text cannot be given to C codels: put it into a structure".to_owned(),
-            )),
-            _ => Ok(format!("{} *", self.base(ty)?)),
+            Type::Array(inner, _) if matches!(self.shape(inner), Type::Array(..) | Type::Text(Some(_))) => {
+                Ok(format!("typedef {};\n", self.declare(inner, element)?))
+            }
+            _ => Ok(String::new()),
         }
+    }
+
+    /// What stands before something of a type for the address that [`Names::pointer`] is the type of: an array is its own.
+    pub(super) fn address(&self, ty: &Type) -> &'static str {
+        if self.passing(ty) == Passing::Array { "" } else { "&" }
     }
 
     /// The name of a type.
