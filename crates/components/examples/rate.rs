@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use lapwing_components::{Answer, Call, Codels, Happening, Run, Setup, request};
+use lapwing_components::{Answer, Call, Codels, Run, Setup, request};
 use lapwing_genom::{Files, Model, Options, load};
 use lapwing_stream::Duration;
 
@@ -83,8 +83,8 @@ fn main() {
 
     let before = used();
     let run = start(&model, SECONDS, true, &calls);
-    let (run, _) = run.carry_out(|_: &mut Run, _: &Happening| {});
-    let core = (used() - before) / SECONDS as f64;
+    let (run, meter) = run.carry_out(hand::Meter::default());
+    let core = (meter.used - before) / SECONDS as f64;
     let figures = run.figures();
     let (turns, missed): (u64, u64) = (figures.turns.values().sum(), figures.all_missed());
     let late: u64 = figures.late.values().map(|c| c.times).sum();

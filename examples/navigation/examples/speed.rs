@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration as Span, Instant};
 
 use hand::{Task, Work, used};
-use lapwing_components::{Answer, Call, Codels, Figures, Happening, Run, Setup, request};
+use lapwing_components::{Answer, Call, Codels, Figures, Run, Setup, request};
 use lapwing_genom::automata::{Settings, build};
 use lapwing_genom::emit::{Input, bip};
 use lapwing_genom::model::{Codel, CodelId, Component, Direction, Model, Object, Role, TaskId};
@@ -66,8 +66,8 @@ fn real(model: &Arc<Model>) -> Result<(), String> {
     let works = works(model);
     let before = used();
     let run = start(model, REAL, true, idle(model, &works))?;
-    let (run, _) = run.carry_out(|_: &mut Run, _: &Happening| {});
-    let core = (used() - before) / REAL as f64;
+    let (run, meter) = run.carry_out(hand::Meter::default());
+    let core = (meter.used - before) / REAL as f64;
     let figures = run.figures();
     let rate = figures.calls as f64 / REAL as f64;
     let late: u64 = figures.late.values().map(|c| c.times).sum();

@@ -5,6 +5,22 @@ use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use lapwing_components::{Happening, Observer, Run, What};
+
+/// How long a run's threads have had a processor: read while all are there, since those that end take their times along.
+#[derive(Default)]
+pub struct Meter {
+    pub used: f64,
+}
+
+impl Observer for Meter {
+    fn see(&mut self, _: &mut Run, happening: &Happening) {
+        if happening.what == What::Over {
+            self.used = used();
+        }
+    }
+}
+
 /// What a codel does.
 pub type Work = Arc<dyn Fn() + Send + Sync>;
 
