@@ -105,7 +105,6 @@ impl Piece {
     /// rests, and the slots hold what the row says.
     pub(crate) fn note_row(&mut self, program: &Program, cells: &[Value]) {
         let core = only(&program.groups, &mut self.groups).filter(|(_, _, core)| core.rests());
-        let row = core.zip(program.skim.as_ref()).and_then(|_| Row::of(&program.columns, cells));
-        self.inputs.row = row.unwrap_or(Row::NONE);
+        self.inputs.row = core.and_then(|_| Row::of(&program.columns, cells)).unwrap_or(Row::NONE);
     }
 }
