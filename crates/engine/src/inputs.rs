@@ -178,10 +178,13 @@ impl Inputs {
         match (&mut *to, value) {
             (Value::Num(to), Value::Num(from)) => {
                 let was = core::mem::replace(to, *from);
+                if self.bands.get(slot).is_some_and(|band| band.holds(*from)) {
+                    return;
+                }
                 if plan.cuts.is_empty() && !was.is_nan() && !from.is_nan() {
                     self.woken |= !plan.every.is_empty();
                     wake(&mut self.due, &plan.every, 0);
-                } else if !self.bands.get(slot).is_some_and(|band| band.holds(*from)) {
+                } else {
                     self.cross(plan, slot, was, *from);
                 }
             }

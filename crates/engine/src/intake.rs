@@ -5,6 +5,7 @@ use lapwing_stream::{Sample, Time, Value, What};
 use crate::node::{Notes, View};
 use crate::piece::Piece;
 use crate::program::{Column, Program, Read, Silence};
+use crate::skim::Row;
 
 impl Piece {
     /// The sample's values become the latest.
@@ -17,7 +18,10 @@ impl Piece {
             }
             What::Row { cells } => {
                 self.inputs.set_row(program, cells);
-                self.note_row(program, cells);
+                self.inputs.row = Row::NONE;
+                if program.skim.is_some() {
+                    self.note_row(program, cells);
+                }
                 if self.minds_slots {
                     self.hear(program, cells, sample.time.0);
                 }

@@ -43,8 +43,8 @@ impl Piece {
             return false;
         }
         let Some(row) = Row::of(&program.columns, cells) else { return false };
-        let is_calm = now < self.calm_until;
-        if (row != self.inputs.row || !is_calm) && !self.skim_change(program, skim, row, (now, is_calm), tell) {
+        let is_other = row != self.inputs.row;
+        if (is_other || now >= self.calm_until) && !self.skim_change(program, skim, row, now, tell) {
             return false;
         }
         (self.newest, self.last_instant) = (now, now);
@@ -53,16 +53,9 @@ impl Piece {
         true
     }
 
-    /// A row that is another, or at which a bound may run out where it is not calm.
+    /// A row that is another, or at which a bound may run out.
     #[inline(always)]
-    fn skim_change(
-        &mut self,
-        program: &Program,
-        skim: &Skim,
-        row: Row,
-        (now, is_calm): (i64, bool),
-        tell: &mut impl Observer,
-    ) -> bool {
+    fn skim_change(&mut self, program: &Program, skim: &Skim, row: Row, now: i64, tell: &mut impl Observer) -> bool {
         let Piece { inputs, groups, last_instant, calm_until, .. } = self;
         if inputs.row == Row::NONE {
             return false;
@@ -75,7 +68,7 @@ impl Piece {
             }
         }
         let due = skim.due(toggled);
-        if is_calm
+        if now < *calm_until
             && let Some((core, automaton)) = groups.first_mut().and_then(Instances::alone)
             && let Some(glided) = core.walk.glide(automaton, due.letter, now, *last_instant)
         {
@@ -111,7 +104,6 @@ impl Piece {
     /// rests, and the slots hold what the row says.
     pub(crate) fn note_row(&mut self, program: &Program, cells: &[Value]) {
         let core = only(&program.groups, &mut self.groups).filter(|(_, _, core)| core.rests());
-        let row = core.zip(program.skim.as_ref()).and_then(|_| Row::of(&program.columns, cells));
-        self.inputs.row = row.unwrap_or(Row::NONE);
+        self.inputs.row = core.and_then(|_| Row::of(&program.columns, cells)).unwrap_or(Row::NONE);
     }
 }

@@ -29,7 +29,7 @@ impl Skim {
         let waits = program.clock != Clock::Events || program.timeout.is_some() || !machines.is_empty();
         let minds = program.counts_values() || properties.iter().any(|property| !property.stale.is_empty());
         let [group] = &groups[..] else { return None };
-        let compares = group.at.nodes.iter().any(|node| matches!(node, Node::Compare { .. }));
+        let compares = group.at.nodes.iter().any(|node| matches!(node, Node::Compare { .. } | Node::CompareAny { .. }));
         // Each column fills the slot of its own number, and there are no others.
         let fills = columns.iter().map(|column| column.slot).eq(0..slots.len());
         if waits
