@@ -46,6 +46,7 @@ pub(crate) fn assemble(scene: &Scene<'_>, capacity: usize) -> Result<Unit, Faile
     }
     writer.pass(&expiring);
     writer.instant();
+    writer.find_flip();
     writer.pass_time();
     writer.end();
     writer.restart();
@@ -160,19 +161,28 @@ impl<'a> Writer<'a> {
             for name in machines.chain(groups).filter(|name| self.has(name)) {
                 b.call(name, vec![local("now")]);
             }
-            b.comment("Events and messages end with the instant.");
-            for &from in self.scene.members.keys() {
-                match from {
-                    From::Event(event) => b.set(&field(self.scene.event_field(event)), false),
-                    From::Topic(topic) => b.set(&field(self.scene.topic_field(topic)), false),
-                    _ => {}
-                }
+            if !self.flips().is_empty() {
+                b.set(&field("instant_at"), local("now"));
+                b.set(&field("has_instant"), true);
             }
-            for (_, name) in self.events_of_machines() {
-                b.set(&field(name), false);
-            }
+            self.end_instant(b);
         });
         self.unit.function("instant", "An instant: the machines look, then the properties.", &[("now", Ty::I64)], body);
+    }
+
+    /// What holds for one instant is over.
+    pub fn end_instant(&self, b: &mut Block) {
+        b.comment("Events and messages end with the instant.");
+        for &from in self.scene.members.keys() {
+            match from {
+                From::Event(event) => b.set(&field(self.scene.event_field(event)), false),
+                From::Topic(topic) => b.set(&field(self.scene.topic_field(topic)), false),
+                _ => {}
+            }
+        }
+        for (_, name) in self.events_of_machines() {
+            b.set(&field(name), false);
+        }
     }
 
     /// Everything that happens before what has the stamp `now`.
@@ -182,6 +192,7 @@ impl<'a> Writer<'a> {
             if let Clock::Rate(rate) = self.program.clock {
                 b.repeat(field("has_t0") & field("next_tick").lt(&now), |b| self.tick(b, rate));
             }
+            self.pass_flips(b);
             if self.has("expire") {
                 b.call("expire", vec![now.clone()]);
             }

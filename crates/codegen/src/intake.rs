@@ -75,6 +75,7 @@ impl Writer<'_> {
             self.unit.field(&heard, Ty::I64, 0.into(), "When a signal was heard last.");
             self.unit.field(&has, Ty::Bool, false.into(), "Whether it was heard.");
         }
+        self.age_fields();
     }
 
     /// The events that machines emit.
@@ -150,6 +151,10 @@ impl Writer<'_> {
     fn hear(&self, b: &mut Block, of: Read) {
         let (heard, has) = heard(self.scene, of);
         let mut minded = false;
+        if let Read::Topic(topic) = of {
+            minded = self.has_age(topic);
+            self.rejuvenate(b, topic);
+        }
         for (property, limit, _) in self.silences().into_iter().filter(|(.., read)| *read == of) {
             minded = true;
             let from = field(&has).choose(field(&heard), field("t0"));

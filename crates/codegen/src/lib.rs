@@ -9,7 +9,7 @@
 //!    imperative language (`code`).
 //! 4. Formulas about the future become automata (`formula`, `residual`, `automaton`), and what waits in their states is counted, or queued
 //!    where bounds run (`obligations`, `queue`).
-//! 5. `assemble` puts it together in the order in which the engine does things, from what comes (`intake`) to what is said (`verdict`); `fold` works out what is constant, and `prune` drops
+//! 5. `assemble` puts it together in the order in which the engine does things, from what comes (`intake`), and when nothing comes (`flips`), to what is said (`verdict`); `fold` works out what is constant, and `prune` drops
 //!    what nobody reads.
 //! 6. Two printers write it down (`print`). They share everything but syntax.
 
@@ -40,6 +40,7 @@ mod obligations;
 mod queue;
 
 mod assemble;
+mod flips;
 mod intake;
 mod verdict;
 

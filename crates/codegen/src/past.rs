@@ -89,19 +89,26 @@ impl<'a> Past<'a> {
         let seen =
             unit.field(&self.name(i, "seen"), Ty::Bool, false.into(), "Whether an operand held that still counts.");
         let is_bounded = most != i64::MAX;
-        b.when(running.clone(), |b| {
-            if let Some(left) = left {
-                b.when(!bit(left), |b| b.set(&seen, false));
-            }
-        });
         let stamp = field(self.name(i, "at"));
         if is_bounded {
             unit.field(&self.name(i, "at"), Ty::I64, 0.into(), "When it held last.");
         }
-        b.when(running.clone() & bit(of), |b| {
-            b.set(&seen, true);
-            if is_bounded {
-                b.set(&stamp, local("now"));
+        b.when(running.clone(), |b| match left {
+            // PERF: values that are chosen, not ways that are gone: nobody can tell beforehand when the operand holds.
+            None => {
+                b.set(&seen, bit(of) | seen.clone());
+                if is_bounded {
+                    b.set(&stamp, bit(of).choose(local("now"), stamp.clone()));
+                }
+            }
+            Some(left) => {
+                b.when(!bit(left), |b| b.set(&seen, false));
+                b.when(bit(of), |b| {
+                    b.set(&seen, true);
+                    if is_bounded {
+                        b.set(&stamp, local("now"));
+                    }
+                });
             }
         });
         let is_in = if is_bounded { since(&local("now"), &stamp).le(most) } else { Expr::Bool(true) };

@@ -126,9 +126,9 @@ impl Refusals<'_> {
                 return;
             }
             Kind::Param(_) => self.add(e.span, "the value of an instance is not known beforehand", ""),
-            Kind::Age(_) | Kind::Frequency(..) => {
-                let message = "`age` and `frequency` change between messages, and generated code has no instants there";
-                self.add(e.span, message, "say `stale after 500 ms` in the `decl`, or declare the age as a signal");
+            Kind::Frequency(..) => {
+                let message = "`frequency` counts the messages of a window, which generated code does not keep";
+                self.add(e.span, message, "ask for the age, or count at the source and declare that as a signal");
             }
             Kind::Event(event) | Kind::EventField { event, .. } => self.event(*event, e.span),
             Kind::InState { machine, .. } => self.machine(*machine),

@@ -217,6 +217,7 @@ impl Used {
 
     fn positions(&mut self, program: &Program, at: &Positions) {
         at.reads.iter().for_each(|(read, _)| self.read(*read));
+        at.ages.iter().for_each(|ages| self.read(Read::Topic(ages.topic)));
         at.alphabet.iter().flatten().for_each(|&e| self.event(program, e));
         for op in &at.ops {
             match op {
@@ -229,7 +230,7 @@ impl Used {
             match node {
                 Node::Slot(slot) => self.read(Read::Slot(*slot)),
                 Node::Updated(slots) => slots.iter().for_each(|s| self.read(Read::Slot(*s))),
-                Node::Fresh(topic) => self.read(Read::Topic(*topic)),
+                Node::Fresh(topic) | Node::Age(topic) => self.read(Read::Topic(*topic)),
                 Node::Event(event) => self.event(program, *event),
                 Node::EventField { event, field } => {
                     self.event(program, *event);

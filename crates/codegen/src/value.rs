@@ -1,8 +1,9 @@
 //! Expressions without a memory, as expressions of the intermediate form.
 
-use lapwing_engine::program::{Arith, Bit, Compare, Func, Node, NodeId, Op, Positions};
+use lapwing_engine::program::{Arith, Bit, Compare, Func, Node, NodeId, Op, Positions, Read};
 
-use crate::code::{Expr, Helper, call, field, local};
+use crate::code::{Expr, Helper, Ty, call, field, local, since};
+use crate::intake::heard;
 use crate::interface::{From, Kind};
 use crate::kinds::Kinds;
 use crate::scene::Scene;
@@ -130,6 +131,11 @@ impl<'a> View<'a> {
             Node::InState { machine, state } => {
                 truth(field(format!("m{machine}_state")).eq(self.scene.state_code(*machine, *state)))
             }
+            Node::Age(topic) => {
+                let (heard, has) = heard(self.scene, Read::Topic(*topic));
+                let seconds = since(&local("now"), &field(heard)).cast(Ty::F64).div(1e9);
+                number(field(has).choose(seconds, NAN))
+            }
             Node::Fresh(topic) => truth(field(self.scene.topic_field(*topic))),
             Node::Updated(slots) => {
                 let machine = self.machine.unwrap_or(0);
@@ -148,7 +154,6 @@ impl<'a> View<'a> {
             | Node::Field(..)
             | Node::Index(..)
             | Node::Any { .. }
-            | Node::Age(_)
             | Node::Frequency(..) => number(NAN),
         }
     }

@@ -201,7 +201,7 @@ fn time_that_jumps_back_starts_everything_anew() {
 fn what_would_need_more_than_one_fixed_size_is_refused_at_its_place() {
     let of = |text: &str| refused(text).into_iter().map(|(source, _)| source).collect::<Vec<_>>();
     assert_eq!(of("decl r /scan LaserScan.ranges\nnever min(r) < 0.3\n"), ["min(r)"]);
-    assert_eq!(of("decl x /x Float64.data\nalways age(/x) < 0.5\nnever x > 2\n"), ["age(/x)"]);
+    assert_eq!(of("decl x /x Float64.data\nalways frequency(/x, 1 s) > 5\nnever x > 2\n"), ["frequency(/x, 1 s)"]);
     assert_eq!(
         of("event kick\nfor each r in (a, b): never r > 1\nfor each k of kick.robot: eventually kick\n").len(),
         1

@@ -69,12 +69,21 @@ fn drawing(name: &str, boxes: &[(&Way, Box)]) -> String {
         let x = axis.x(power);
         let _ = write!(svg, "<line class=\"grid\" x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"0\" y2=\"{height}\"/>");
         let _ =
-            write!(svg, "<text x=\"{x:.1}\" y=\"{}\" text-anchor=\"middle\">{}</text>", height + 16.0, shown(power));
+            write!(svg, "<text x=\"{x:.1}\" y=\"{}\" text-anchor=\"middle\">{}</text>", height + 16.0, round(power));
     }
     for (row, (way, of)) in boxes.iter().enumerate() {
         svg.push_str(&drawn(&axis, row, way, of));
     }
     svg + "</svg>"
+}
+
+/// A power of ten nanoseconds.
+fn round(nanos: f64) -> String {
+    match nanos {
+        ..1e3 => format!("{nanos} ns"),
+        ..1e6 => format!("{} µs", nanos / 1e3),
+        _ => format!("{} ms", nanos / 1e6),
+    }
 }
 
 /// A row: name, whiskers, box, median, outliers.
