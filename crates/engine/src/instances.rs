@@ -2,7 +2,8 @@
 //!
 //! Without slices there is one, and it stays as it is. With slices there may be thousands, of which an event concerns one or two: they lie
 //! packed on a shelf ([`mod@crate::pack`]), and the one that is stepped is unpacked into the bench that all share. What keeps much, such as a
-//! long window, is not packed but has a core of its own, for packing costs in proportion to what there is.
+//! long window, is not packed but has a core of its own, for packing costs in proportion to what there is;
+//! and so has every instance of what reads signals as well, and is stepped at every instant.
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -50,7 +51,7 @@ pub(crate) struct Instances {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 enum Kept {
     Packed(Box<[u8]>),
-    /// It did not fit, and is not packed again.
+    /// It is never packed, or did not fit once.
     Whole(Box<Core>),
 }
 
@@ -82,8 +83,9 @@ impl Instances {
         if !plan.at.slices.is_empty() {
             new.keys.add_template();
             let mut bytes = Box::default();
-            let fits = new.packer.pack(&new.core, &mut bytes);
-            new.shelf.push(if fits { Kept::Packed(bytes) } else { Kept::Whole(Box::new(new.core.clone())) });
+            // Where every instant may be everybody's position nobody lies still: packing would cost time at each.
+            let is_packed = plan.at.alphabet.is_some() && new.packer.pack(&new.core, &mut bytes);
+            new.shelf.push(if is_packed { Kept::Packed(bytes) } else { Kept::Whole(Box::new(new.core.clone())) });
         }
         new
     }

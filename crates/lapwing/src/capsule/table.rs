@@ -1,6 +1,6 @@
 //! A part of a recording of text, as text, and as MCAP for viewers.
 //!
-//! The columns of a table need no declaration in a specification, which those of an MCAP file do: so the text is what replays.
+//! The text is what replays, since it is of the format that the recording was. The MCAP file is read as the same rows and events.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};

@@ -39,7 +39,8 @@ fn build(features: &[&str]) -> Result<Size, String> {
 fn executable(messages: &[u8]) -> Option<PathBuf> {
     let lines = messages.split(|byte| *byte == b'\n');
     let messages = lines.filter_map(|line| serde_json::from_slice::<serde_json::Value>(line).ok());
-    messages.filter_map(|message| Some(PathBuf::from(message.get("executable")?.as_str()?))).last()
+    let built = |message: serde_json::Value| Some(PathBuf::from(message.get("executable")?.as_str()?));
+    messages.filter_map(built).reduce(|_, later| later)
 }
 
 /// What of a 64-bit little-endian ELF file is loaded from it: the file sizes of its loadable segments.
