@@ -93,7 +93,8 @@ impl Piece {
 
     /// The last sample that the timeout let through.
     pub(crate) fn last(&self) -> Option<i64> {
-        self.cut.or((self.newest != i64::MIN).then_some(self.newest))
+        // The first may come at the very beginning of time.
+        self.cut.or((self.newest != i64::MIN || self.t0.is_some()).then_some(self.newest))
     }
 
     /// A sample comes that the timeout does not let through.
