@@ -357,7 +357,7 @@ pub(crate) fn slow(
             let before = scalar(&values[i]);
             let has_settled = value(i, op, memory, scene, true, bits, values);
             let has_moved = before.is_none() || before != scalar(&values[i]);
-            return Stepped { holds: false, next: if has_settled { i64::MAX } else { NOW }, has_moved };
+            return Stepped { holds: false, next: if has_settled { scene.next_flip(i) } else { NOW }, has_moved };
         }
         (Op::Previously(of), Memory::Last(last)) => {
             let holds = of.of(bits);

@@ -23,12 +23,13 @@ const SPECS: [&str; 10] = [
 ];
 
 /// Over the topics `/m` and `/n`, whose numbers are x and y.
-const AGED: [&str; 6] = [
+const AGED: [&str; 7] = [
     "a: age(/m) < 0.01\nb: x < y or age(/n) <= 0.02\n",
     "a: once within 15 ms (age(/m) >= 0.008) implies x < 2\n",
     "a: whenever age(/m) > 0.006, x < y\nb: whenever held for 5 ms (age(/n) < 0.02), eventually within 9 ms x > y\n",
     "a: becomes age(/m) > 0.004 implies previously x < 1\nb: age(/n) =={0.001} 0.005 implies delta(y) < 0.3\n",
     "a: after x > 2, always age(/m) < 0.03\nb: after_until age(/n) > 0.01, y > 1, never x > y\n",
+    "a: @{(0.004 > age(/m)), -1} or x > 2\nb: @{(age(/n) <= 0.01), -3} implies y < 2\n",
     "a: age(/m) < age(/n) or 0.012 > age(/m)\nb: frequency(/n, 20 ms) > 60 or age(/n) < 0.005\n",
 ];
 
