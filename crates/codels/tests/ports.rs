@@ -1,13 +1,9 @@
 //! Ports of arrays and texts: codels in C have the address of their first element, and what they write comes back.
 
-use std::io;
-use std::path::{Path, PathBuf};
-use std::process::Command;
+mod support;
 
 use lapwing_codels::load;
 use lapwing_components::{Answer, Datum, Run, Setup, What, request};
-use lapwing_genom::model::Model;
-use lapwing_genom::{Files, Options, emit};
 use lapwing_stream::Duration;
 
 const COMPONENT: &str = "
@@ -78,41 +74,13 @@ genom_event Take(const Takes_V *V, const Takes_M *M, const Takes_N *N, const Tak
 }
 "#;
 
-struct Text;
-
-impl Files for Text {
-    fn read(&self, _: &Path) -> io::Result<Vec<u8>> {
-        Ok(COMPONENT.as_bytes().to_vec())
-    }
-}
-
-fn model() -> Model {
-    let loaded = lapwing_genom::load(&Text, &[PathBuf::from("c.gen")], &Options::default()).unwrap();
-    assert!(!loaded.has_errors());
-    loaded.model
-}
-
-/// A library of a component's codels, in a folder.
-fn compiled(folder: &Path, component: &str, text: &str) -> PathBuf {
-    std::fs::write(folder.join(format!("{component}.c")), text).unwrap();
-    let library = format!("lib{component}.so");
-    let mut compiler = Command::new("cc");
-    compiler.current_dir(folder).args(["-shared", "-fPIC", "-D_POSIX_C_SOURCE=200809L", "-Wall", "-Wextra", "-Werror"]);
-    compiler.args(["-o", &library, &format!("{component}_glue.c"), &format!("{component}.c")]);
-    let output = compiler.output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    folder.join(library)
-}
-
 #[test]
 fn arrays_and_texts_go_through_ports() {
-    let model = std::sync::Arc::new(model());
+    let model = std::sync::Arc::new(support::model(COMPONENT));
     let folder = tempfile::tempdir().unwrap();
-    for file in emit::c_files(&model).unwrap() {
-        std::fs::write(folder.path().join(file.name), file.text).unwrap();
-    }
-    let mut codels = load(&compiled(folder.path(), "Sends", SENDS), &model).unwrap();
-    codels.join(load(&compiled(folder.path(), "Takes", TAKES), &model).unwrap());
+    support::write_glue(&model, folder.path());
+    let mut codels = load(&support::compiled(folder.path(), "Sends", SENDS), &model).unwrap();
+    codels.join(load(&support::compiled(folder.path(), "Takes", TAKES), &model).unwrap());
     let setup = Setup { duration: Some(Duration::from_nanos(200_000_000)), ..Setup::default() };
     let mut run = Run::new(model.clone(), setup, codels).unwrap();
     for line in ["@0s Sends.Go()", "@100ms Takes.Go()"] {

@@ -1,14 +1,11 @@
 //! Unions through C and back: the member that is there is the same on both sides, and one that has none comes back as well.
 
-use std::io;
-use std::path::{Path, PathBuf};
-use std::process::Command;
+mod support;
 
 use lapwing_codels::load;
 use lapwing_components::codel::{Argument, Held};
 use lapwing_components::{Answer, Call, Datum, Types};
-use lapwing_genom::model::{Direction, Model, Type, TypeDefKind};
-use lapwing_genom::{Files, Options, emit};
+use lapwing_genom::model::{Direction, Type, TypeDefKind};
 use lapwing_stream::Time;
 
 const COMPONENT: &str = "
@@ -34,43 +31,17 @@ genom_event CF(by_name *a, with_rest *b, without *c, const genom_context self) {
 }
 "#;
 
-struct Text;
-
-impl Files for Text {
-    fn read(&self, _: &Path) -> io::Result<Vec<u8>> {
-        Ok(COMPONENT.as_bytes().to_vec())
-    }
-}
-
-fn model() -> Model {
-    let loaded = lapwing_genom::load(&Text, &[PathBuf::from("c.gen")], &Options::default()).unwrap();
-    assert!(!loaded.has_errors());
-    loaded.model
-}
-
-/// The library of the codel, in a folder.
-fn compiled(model: &Model, folder: &Path) -> PathBuf {
-    for file in emit::c_files(model).unwrap() {
-        std::fs::write(folder.join(file.name), file.text).unwrap();
-    }
-    std::fs::write(folder.join("codel.c"), CODEL).unwrap();
-    let mut compiler = Command::new("cc");
-    compiler.current_dir(folder).args(["-shared", "-fPIC", "-Wall", "-Wextra", "-Werror", "-o", "libc.so"]);
-    let output = compiler.args(["C_glue.c", "codel.c"]).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    folder.join("libc.so")
-}
-
 fn union(tag: i128, number: usize, value: Datum) -> Datum {
     Datum::Union(tag, Some((number, Box::new(value))))
 }
 
 #[test]
 fn the_member_that_is_there_is_the_same_on_both_sides() {
-    let model = model();
+    let model = support::model(COMPONENT);
     let types = Types::new(&model).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let codels = load(&compiled(&model, folder.path()), &model).unwrap();
+    support::write_glue(&model, folder.path());
+    let codels = load(&support::compiled(folder.path(), "C", CODEL), &model).unwrap();
     let codel = codels.get("C", "CF").unwrap();
 
     let ids = model.components[0].ids.map(|id| &model.types[id.0].kind);

@@ -156,8 +156,8 @@ impl Asking<'_> {
                 let (comes, body) = self.up_to(x, f, k, s);
                 or(comes.map(|c| !c), body)
             }
-            Term::AfterUntil(x, y, f) => self.each(k, s, f, |from| self.first(x, false, from, s), (y, false), 1),
-            Term::While(x, f) => self.each(k, s, f, |from| self.first(x, false, from, s), (x, true), 0),
+            Term::AfterUntil(x, y, f) => self.each(k, s, f, x, (y, false), 1),
+            Term::While(x, f) => self.each(k, s, f, x, (x, true), 0),
         }
     }
 
@@ -267,24 +267,15 @@ impl Asking<'_> {
         }
     }
 
-    /// `f` in each segment that `opens` opens and `closes` closes, from `k` on; the search goes on `skip` after a close.
-    fn each(
-        &self,
-        k: Pos,
-        s: Segment,
-        f: usize,
-        opens: impl Fn(Pos) -> First,
-        closes: (usize, bool),
-        skip: u64,
-    ) -> Option<bool> {
+    /// `f` in each segment that `x` opens and `y` closes, or with `negated` the lack of it, from `k` on; the search goes on `skip` after a close.
+    fn each(&self, k: Pos, s: Segment, f: usize, x: usize, (y, negated): (usize, bool), skip: u64) -> Option<bool> {
         let (mut all, mut from) = (Some(true), k);
         loop {
-            let start = match opens(from) {
+            let start = match self.first(x, false, from, s) {
                 First::At(start) => start,
                 First::Unknown(_) => return and(all, None),
                 First::Nowhere => return and(all, self.nothing_more(s)),
             };
-            let (y, negated) = closes;
             match self.first(y, negated, start, s) {
                 First::At(end) => {
                     if end > start {
