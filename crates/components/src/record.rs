@@ -18,6 +18,8 @@ pub struct Recorder<W: Write + Seek> {
     names: Vec<(String, String)>,
     line: String,
     count: u32,
+    /// Why a message could not be written; none is written after it.
+    trouble: Option<io::Error>,
 }
 
 enum To<W: Write + Seek> {
@@ -44,7 +46,13 @@ impl Recorder<File> {
 impl<W: Write + Seek> Recorder<W> {
     /// One line for each message.
     pub fn lines(to: W, signals: &Signals) -> Recorder<W> {
-        Recorder { to: To::Lines(BufWriter::new(to)), names: names(signals), line: String::new(), count: 0 }
+        Recorder {
+            to: To::Lines(BufWriter::new(to)),
+            names: names(signals),
+            line: String::new(),
+            count: 0,
+            trouble: None,
+        }
     }
 
     /// MCAP. All topics are in it, those without messages too.
@@ -62,15 +70,24 @@ impl<W: Write + Seek> Recorder<W> {
             let schema = writer.add_schema(&topic.schema.name, "jsonschema", text.as_bytes())?;
             channels.push(writer.add_channel(schema, &topic.name, "json", &BTreeMap::new())?);
         }
-        Ok(Recorder { to: To::Mcap(Box::new(writer), channels), names: names(signals), line: String::new(), count: 0 })
+        Ok(Recorder {
+            to: To::Mcap(Box::new(writer), channels),
+            names: names(signals),
+            line: String::new(),
+            count: 0,
+            trouble: None,
+        })
     }
 
-    /// Writes a message.
-    ///
-    /// # Errors
-    ///
-    /// It cannot be written.
-    pub fn write(&mut self, time: Time, message: &Message) -> io::Result<()> {
+    /// Writes messages of one time. Returns whether all of them could be written; if not, [`Recorder::finish`] says why.
+    pub fn write(&mut self, time: Time, messages: &[Message]) -> bool {
+        if self.trouble.is_none() {
+            self.trouble = messages.iter().try_for_each(|message| self.write_one(time, message)).err();
+        }
+        self.trouble.is_none()
+    }
+
+    fn write_one(&mut self, time: Time, message: &Message) -> io::Result<()> {
         self.line.clear();
         match &mut self.to {
             To::Lines(out) => {
@@ -96,8 +113,11 @@ impl<W: Write + Seek> Recorder<W> {
     ///
     /// # Errors
     ///
-    /// It cannot be.
+    /// It cannot be, or a message could not.
     pub fn finish(self) -> io::Result<()> {
+        if let Some(trouble) = self.trouble {
+            return Err(trouble);
+        }
         match self.to {
             To::Lines(mut out) => out.flush(),
             To::Mcap(mut writer, _) => writer.finish().map(drop).map_err(io::Error::other),

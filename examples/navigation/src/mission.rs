@@ -110,8 +110,7 @@ impl Mission {
         let navigation = run.plain_request("Navigation.Stop")?.component;
         let types = run.types().clone();
         let sources = loaded.sources;
-        let logbook =
-            Logbook { model, types, sources, watch, recorder, navigation, is_stopping: false, trouble: None, went };
+        let logbook = Logbook { model, types, sources, watch, recorder, navigation, is_stopping: false, went };
         let (run, logbook) = run.carry_out(logbook);
         logbook.close(&run, &field, self.spec.is_some())
     }
@@ -138,8 +137,6 @@ struct Logbook {
     navigation: usize,
     /// Whether SafetyPilot's `stop` is what happens.
     is_stopping: bool,
-    /// Why the recording could not be written, if it could not.
-    trouble: Option<String>,
     went: Went,
 }
 
@@ -147,9 +144,8 @@ impl Observer for Logbook {
     fn see(&mut self, run: &mut Run, happening: &Happening) {
         let messages = self.watch.see(run, happening);
         if let Some(recorder) = &mut self.recorder
-            && let Err(why) = messages.iter().try_for_each(|m| recorder.write(happening.time, m))
+            && !recorder.write(happening.time, &messages)
         {
-            self.trouble.get_or_insert(why.to_string());
             run.stop();
         }
         let line = self.line(happening);
@@ -188,9 +184,6 @@ impl Logbook {
 
     /// How it went, now that it is over.
     fn close(mut self, run: &Run, field: &Field, is_watched: bool) -> Result<Went, String> {
-        if let Some(why) = self.trouble {
-            return Err(why);
-        }
         if let Some(recorder) = self.recorder.take() {
             recorder.finish().map_err(|e| e.to_string())?;
         }

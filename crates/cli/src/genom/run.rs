@@ -113,7 +113,6 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Complaint> {
         watch,
         recorder,
         failure: None,
-        trouble: None,
     };
     let (run, told) = run.carry_out(told);
     told.conclude(&run, format, stdout, has_specs)
@@ -206,17 +205,14 @@ struct Told {
     watch: Watch,
     recorder: Option<Recorder<File>>,
     failure: Option<Failure>,
-    /// Why the recording could not be written, if it could not.
-    trouble: Option<String>,
 }
 
 impl Observer for Told {
     fn see(&mut self, run: &mut Run, happening: &Happening) {
         let messages = self.watch.see(run, happening);
         if let Some(recorder) = &mut self.recorder
-            && let Err(why) = messages.iter().try_for_each(|m| recorder.write(happening.time, m))
+            && !recorder.write(happening.time, &messages)
         {
-            self.trouble.get_or_insert(why.to_string());
             run.stop();
         }
         let (model, types, sources) = (&self.model, &self.types, &self.sources);
@@ -241,12 +237,8 @@ impl Observer for Told {
 impl Told {
     /// What is said at the end.
     fn conclude(mut self, run: &Run, format: Format, style: Style, has_specs: bool) -> Result<Exit, Complaint> {
-        let cannot = |why: &str| Complaint::new(format!("the recording cannot be written: {why}"));
-        if let Some(why) = &self.trouble {
-            return Err(cannot(why));
-        }
         if let Some(recorder) = self.recorder.take() {
-            recorder.finish().map_err(|e| cannot(&e.to_string()))?;
+            recorder.finish().map_err(|e| Complaint::new(format!("the recording cannot be written: {e}")))?;
         }
         let gap = self.failure.as_ref().map(|failure| self.failed(failure));
         let mut text = if self.is_text { figures(run) } else { String::new() };
