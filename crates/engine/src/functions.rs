@@ -65,12 +65,18 @@ fn sign(x: f64) -> f64 {
 
 /// The least that is not NaN; NaN where there is none.
 pub(crate) fn least(of: impl Iterator<Item = f64>) -> f64 {
-    of.fold(f64::NAN, |least, x| if x.is_nan() | (x >= least) { least } else { x })
+    first_and_rest(of).map_or(f64::NAN, |(first, rest)| rest.fold(first, |least, x| if x < least { x } else { least }))
 }
 
 /// The greatest that is not NaN; NaN where there is none.
 pub(crate) fn greatest(of: impl Iterator<Item = f64>) -> f64 {
-    of.fold(f64::NAN, |greatest, x| if x.is_nan() | (x <= greatest) { greatest } else { x })
+    first_and_rest(of).map_or(f64::NAN, |(first, rest)| rest.fold(first, |most, x| if x > most { x } else { most }))
+}
+
+/// The first that is not NaN, and all after it.
+// PERF: from there on one comparison tells, which a NaN never passes.
+fn first_and_rest<I: Iterator<Item = f64>>(mut of: I) -> Option<(f64, I)> {
+    of.find(|x| !x.is_nan()).map(|first| (first, of))
 }
 
 /// The Euclidean norm, summed from the left.
@@ -167,7 +173,11 @@ mod tests {
 
     #[test]
     fn least_and_greatest_skip_nan() {
-        assert_eq!(least([f64::NAN, 2.0, 1.0].into_iter()), 1.0);
+        let nan = f64::NAN;
+        assert_eq!(least([nan, 2.0, nan, 1.0, 3.0, nan].into_iter()), 1.0);
+        assert_eq!(greatest([2.0, nan, 3.0, nan, 1.0].into_iter()), 3.0);
+        let zero = least([0.0, -0.0].into_iter());
+        assert!(zero == 0.0 && zero.is_sign_positive(), "of equals the first");
         assert!(greatest([f64::NAN].into_iter()).is_nan());
     }
 }

@@ -155,6 +155,22 @@ impl Inputs {
         }
     }
 
+    /// Stores a number.
+    #[inline]
+    pub(crate) fn set_number(&mut self, program: &Program, slot: usize, x: f64) {
+        match (self.slots.get_mut(slot), program.slots.get(slot)) {
+            (Some(Value::Num(to)), Some(plan)) => {
+                let was = core::mem::replace(to, x);
+                if was.to_bits() != x.to_bits() {
+                    self.row = Row::NONE;
+                    self.change_number(plan, slot, was, x);
+                }
+                self.versions.get_mut(slot).into_iter().for_each(|version| *version += 1);
+            }
+            _ => self.set(program, slot, &Value::Num(x)),
+        }
+    }
+
     /// Stores the cells of a row.
     #[inline]
     pub(crate) fn set_row(&mut self, program: &Program, cells: &[Value]) {
@@ -178,15 +194,7 @@ impl Inputs {
         match (&mut *to, value) {
             (Value::Num(to), Value::Num(from)) => {
                 let was = core::mem::replace(to, *from);
-                if self.bands.get(slot).is_some_and(|band| band.holds(*from)) {
-                    return;
-                }
-                if plan.cuts.is_empty() && !was.is_nan() && !from.is_nan() {
-                    self.woken |= !plan.every.is_empty();
-                    wake(&mut self.due, &plan.every, 0);
-                } else {
-                    self.cross(plan, slot, was, *from);
-                }
+                self.change_number(plan, slot, was, *from);
             }
             _ => {
                 self.woken = true;
@@ -197,6 +205,20 @@ impl Inputs {
                 let letters = replace(to, value);
                 wake(&mut self.due, &plan.wakes, letters);
             }
+        }
+    }
+
+    /// A number has become another: makes due what turns on it.
+    #[inline(always)]
+    fn change_number(&mut self, plan: &Slot, slot: usize, was: f64, is: f64) {
+        if self.bands.get(slot).is_some_and(|band| band.holds(is)) {
+            return;
+        }
+        if plan.cuts.is_empty() && !was.is_nan() && !is.is_nan() {
+            self.woken |= !plan.every.is_empty();
+            wake(&mut self.due, &plan.every, 0);
+        } else {
+            self.cross(plan, slot, was, is);
         }
     }
 

@@ -166,15 +166,27 @@ impl<'a> View<'a> {
         }
     }
 
-    #[inline]
+    // PERF: what most numbers are takes no call.
+    #[inline(always)]
     fn number(&self, id: NodeId, vars: Option<&Vars<'_>>) -> f64 {
         match self.node(id) {
+            Node::Num(x) => *x,
+            Node::Slot(s) if let Value::Num(x) = &self.inputs.slots[*s] => *x,
+            node => self.reckon(node, id, vars),
+        }
+    }
+
+    #[inline(never)]
+    fn reckon(&self, node: &Node, id: NodeId, vars: Option<&Vars<'_>>) -> f64 {
+        match node {
             Node::Num(x) => *x,
             Node::Slot(s) => match &self.inputs.slots[*s] {
                 Value::Num(x) => *x,
                 Value::Missing => f64::NAN,
                 _ => self.fault(f64::NAN),
             },
+            Node::Reg(r) if let Value::Num(x) = &self.values[*r as usize] => *x,
+            Node::Call(func, args) if func.is_numeric() => self.calculate(*func, args, vars),
             Node::Neg(a) => -self.number(*a, vars),
             Node::Arith(op, a, b) => {
                 let (a, b) = (self.number(*a, vars), self.number(*b, vars));
@@ -346,16 +358,23 @@ impl<'a> View<'a> {
             Func::StartsWith => self.text(arg(0), arg(1), |a, b| a.starts_with(b)),
             Func::EndsWith => self.text(arg(0), arg(1), |a, b| a.ends_with(b)),
             Func::Contains => self.text(arg(0), arg(1), |a, b| a.contains(b)),
+            _ => Val::Num(self.calculate(func, args, vars)),
+        }
+    }
+
+    /// A function of numbers alone.
+    fn calculate(&self, func: Func, args: &[NodeId], vars: Option<&Vars<'_>>) -> f64 {
+        // The longest argument list of a numeric function is that of two quaternions; `min` and `max` may be longer.
+        let mut few = [f64::NAN; 8];
+        match args {
+            [a] => numeric(func, &[self.number(*a, vars)]),
+            _ if args.len() <= few.len() => {
+                few.iter_mut().zip(args).for_each(|(x, &a)| *x = self.number(a, vars));
+                numeric(func, &few[..args.len()])
+            }
             _ => {
-                // The longest argument list of a numeric function is that of two quaternions; `min` and `max` may be longer.
-                let mut few = [f64::NAN; 8];
-                if args.len() <= few.len() {
-                    few.iter_mut().zip(args).for_each(|(x, &a)| *x = self.number(a, vars));
-                    Val::Num(numeric(func, &few[..args.len()]))
-                } else {
-                    let each = args.iter().map(|&a| self.number(a, vars));
-                    Val::Num(if func == Func::Min { least(each) } else { greatest(each) })
-                }
+                let each = args.iter().map(|&a| self.number(a, vars));
+                if func == Func::Min { least(each) } else { greatest(each) }
             }
         }
     }

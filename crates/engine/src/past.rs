@@ -135,7 +135,7 @@ pub(crate) struct Stepped {
 }
 
 impl Stepped {
-    fn truth((holds, next): (bool, i64)) -> Stepped {
+    pub fn truth((holds, next): (bool, i64)) -> Stepped {
         Stepped { holds, next, has_moved: false }
     }
 }
@@ -195,16 +195,23 @@ pub(crate) struct Scene<'a> {
 
 impl<'a> Scene<'a> {
     /// When the `i`-th operator is due because an age in it passes a limit.
+    #[inline]
     fn next_flip(&self, i: usize) -> i64 {
+        let is_aged = self.here.at.wiring.as_ref().is_some_and(|wiring| wiring.aged.wrapping_shr(i as u32) & 1 == 1);
+        if is_aged { self.next_age() } else { i64::MAX }
+    }
+
+    /// When an age passes a limit.
+    fn next_age(&self) -> i64 {
         let Here { at, inputs, now, .. } = self.here;
-        let is_aged = at.wiring.as_ref().is_some_and(|wiring| wiring.aged.wrapping_shr(i as u32) & 1 == 1);
-        let flips = at.ages.iter().filter(|_| is_aged).filter_map(|age| {
+        let flips = at.ages.iter().filter_map(|age| {
             let last = inputs.topics.get(age.topic)?.last?;
             age.after.iter().map(|after| last.saturating_add(after.nanos())).find(|flip| *flip > now)
         });
         flips.min().unwrap_or(i64::MAX)
     }
 
+    #[inline]
     pub fn view<'b>(&self, bits: &'b [u64], values: &'b [Value]) -> View<'b>
     where
         'a: 'b,
@@ -347,12 +354,7 @@ pub(crate) fn slow(
     values: &mut [Value],
 ) -> Stepped {
     Stepped::truth(match (op, memory) {
-        (Op::Holds(_), _) => {
-            scene.notes.met_nan.set(false);
-            let holds = now(op, scene, bits, values);
-            // Every NaN that a comparison meets is counted, at each position.
-            (holds, if scene.notes.met_nan.get() { NOW } else { scene.next_flip(i) })
-        }
+        (Op::Holds(node), _) => expression((i, *node), scene, bits, values),
         (Op::Lookback(..) | Op::Delta(_) | Op::Rate(_) | Op::Window(..) | Op::Count(..), memory) => {
             let before = scalar(&values[i]);
             let has_settled = value(i, op, memory, scene, true, bits, values);
@@ -380,6 +382,15 @@ pub(crate) fn slow(
         }
         (op, _) => (now(op, scene, bits, values), i64::MAX),
     })
+}
+
+/// Evaluates an expression that has no memory.
+#[inline]
+pub(crate) fn expression((i, node): (usize, NodeId), scene: &Scene<'_>, bits: &[u64], values: &[Value]) -> (bool, i64) {
+    scene.notes.met_nan.set(false);
+    let holds = scene.view(bits, values).holds(node);
+    // Every NaN that a comparison meets is counted, at each position.
+    (holds, if scene.notes.met_nan.get() { NOW } else { scene.next_flip(i) })
 }
 
 /// `once` with any bound. While the operand holds, each position adds a stamp.

@@ -14,7 +14,7 @@ use crate::latest::Latest;
 use crate::node::{Notes, View};
 use crate::pack::packed;
 use crate::past::{self, Here, Memory, NOW, Registers, Scene, Stepped};
-use crate::program::{Alphabet, Positions, Wiring, bits};
+use crate::program::{Alphabet, Op, Positions, Wiring, bits};
 
 /// Where a machine or a group stands in its positions.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -241,12 +241,18 @@ impl Walk {
     /// Evaluates an operator that is not quick.
     #[inline(never)]
     fn step(&mut self, i: usize, word: u64, here: Here<'_>) -> Stepped {
-        let (op, memory) = (&here.at.ops[i], &mut self.memories[i]);
-        if let Some(known) = past::delayed(op, memory, here.now, |of| of.in_word(word)) {
-            return known;
-        }
+        let op = &here.at.ops[i];
         let scene = Scene { here, before: self.last, notes: &self.notes };
-        let stepped = past::slow((i, op), memory, &scene, &[word], &mut self.registers.values);
+        // PERF: what a logical formula does not say with truth values is an expression, nearly always.
+        let stepped = if let Op::Holds(node) = op {
+            Stepped::truth(past::expression((i, *node), &scene, &[word], &self.registers.values))
+        } else {
+            let memory = &mut self.memories[i];
+            if let Some(known) = past::delayed(op, memory, here.now, |of| of.in_word(word)) {
+                return known;
+            }
+            past::slow((i, op), memory, &scene, &[word], &mut self.registers.values)
+        };
         note_fault(&self.notes, &mut self.faults, i);
         stepped
     }

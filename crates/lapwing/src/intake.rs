@@ -93,6 +93,7 @@ impl Intake {
     }
 
     /// An item as a sample.
+    #[inline]
     pub fn sample<'a>(&'a mut self, item: &Item<'a>) -> Sample<'a> {
         let what = match *item {
             Item::Message { wanted, values, .. } => self.message(wanted, values),

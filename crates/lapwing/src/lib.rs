@@ -35,6 +35,7 @@ mod spec;
 mod types;
 mod watch;
 
+mod fitted;
 mod instance;
 #[cfg(feature = "recordings")]
 mod intake;

@@ -73,9 +73,9 @@ impl Monitor {
     }
 
     fn over(spec: Spec, shape: &TraceShape, system: Option<String>) -> Monitor {
-        let checked = spec.against(shape);
+        let fitted = spec.fitted(shape, None);
         let name = spec.name().to_owned();
-        Monitor { run: Run::new(Cow::Owned(spec), checked, Noting::default()), name, system, span: None }
+        Monitor { run: Run::new(Cow::Owned(spec), fitted, Noting::default()), name, system, span: None }
     }
 
     /// What the specification means here: the numbers in samples are those of its tables.

@@ -2,8 +2,9 @@
 
 use std::borrow::Cow;
 use std::num::NonZeroUsize;
+use std::sync::Arc;
 
-use lapwing_check::{checked, compile};
+use lapwing_check::checked;
 use lapwing_diag::{Code, Diagnostic, Severity};
 use lapwing_engine::inputs::Inputs;
 use lapwing_engine::program::{Clock, Future, FutureKind};
@@ -13,16 +14,14 @@ use lapwing_react::{Property, Reading, Topic, Violation, Warning};
 use lapwing_stream::{Sample, Time, Value, Verdict};
 
 use crate::account::{self, Notes};
-use crate::explain;
+use crate::fitted::Fitted;
 use crate::hints::{self, Latch};
 use crate::history::{Recorder, Strip};
 use crate::instance;
 use crate::losses::Damage;
 use crate::meant::{self, Met};
-use crate::shown;
 use crate::spec::Spec;
-use crate::trail::Positions;
-use crate::witness::{Interest, Witness};
+use crate::witness::Witness;
 
 /// A share of messages that no instant saw, beyond which there is a warning.
 const UNSEEN: f64 = 0.1;
@@ -41,19 +40,13 @@ pub(crate) struct Noting {
 /// One specification over what comes.
 pub(crate) struct Run<'s> {
     spec: Cow<'s, Spec>,
-    meaning: checked::Spec,
-    /// What the recording revealed of the specification.
-    pub diagnostics: Vec<Diagnostic>,
-    program: Program,
+    fitted: Arc<Fitted>,
     state: State,
     witness: Witness,
-    latches: Vec<Option<Latch>>,
     /// Notes how it goes, where that is asked for.
     recorder: Option<Recorder>,
     /// What the signals did lately, where somebody looks on.
     strip: Option<Strip>,
-    /// The properties as they are before anything is known of them.
-    pub blanks: Vec<Property>,
     /// How many violations have been told.
     told: usize,
     /// How many jumps have been told.
@@ -77,46 +70,40 @@ pub(crate) struct Untold {
 }
 
 impl<'s> Run<'s> {
-    /// A run of a specification that has been checked against what will come.
-    pub fn new(spec: Cow<'s, Spec>, checked: lapwing_check::Checked, noting: Noting) -> Run<'s> {
-        let diagnostics = checked.beyond(&spec.findings().diagnostics).cloned().collect();
-        let meaning = checked.spec;
-        let mut program = compile::compile(&meaning);
-        program.open_limit = noting.open_limit.map_or(program.open_limit, NonZeroUsize::get);
-        let latches: Vec<_> = meaning.properties.iter().map(|p| Latch::of(&spec, p)).collect();
-        let interest = |(property, latch): (&checked::Property, &Option<Latch>)| Interest {
-            shown: shown::everything(&spec, &meaning, property),
-            positions: Positions::of(&meaning, property),
-            latch: latch.clone(),
-            latency: explain::latency(property),
-            topics: hints::topics(&meaning, property),
-        };
-        let interests = meaning.properties.iter().zip(&latches).map(interest).collect();
+    /// A run of a specification that has been made ready for what will come.
+    pub fn new(spec: Cow<'s, Spec>, fitted: Arc<Fitted>, noting: Noting) -> Run<'s> {
+        let Fitted { meaning, program, interests, .. } = &*fitted;
         Run {
-            diagnostics,
-            state: if noting.margins { State::with_margins(&program) } else { State::new(&program) },
-            witness: Witness::new(&meaning, interests),
-            latches,
-            blanks: meaning.properties.iter().map(|p| account::blank(&spec, &meaning, p)).collect(),
-            recorder: noting.history.map(|most| Recorder::new(&spec, &meaning, most)),
+            state: if noting.margins { State::with_margins(program) } else { State::new(program) },
+            witness: Witness::new(meaning, interests.clone()),
+            recorder: noting.history.map(|most| Recorder::new(&spec, meaning, most)),
             strip: None,
             told: 0,
             jumps_told: 0,
             unmeasured: Vec::new(),
             spec,
-            meaning,
-            program,
+            fitted,
         }
     }
 
     /// What the specification means here.
     pub fn meaning(&self) -> &checked::Spec {
-        &self.meaning
+        &self.fitted.meaning
+    }
+
+    /// The properties as they are before anything is known of them.
+    pub fn blanks(&self) -> &[Property] {
+        &self.fitted.blanks
+    }
+
+    /// What the recording revealed of the specification.
+    pub fn diagnostics(&self) -> &[Diagnostic] {
+        &self.fitted.diagnostics
     }
 
     /// Whether anything ever happens by the mere passing of time.
     pub fn may_wait(&self) -> bool {
-        let Program { clock, groups, machines, .. } = &self.program;
+        let Program { clock, groups, machines, .. } = &self.fitted.program;
         let ages = groups.iter().map(|g| &g.at).chain(machines.iter().map(|m| &m.at)).any(|at| !at.ages.is_empty());
         let stays = machines.iter().flat_map(|m| &m.states).any(|s| s.at_most.is_some());
         let ends = |future: &Future| match &future.kind {
@@ -129,20 +116,20 @@ impl<'s> Run<'s> {
 
     /// When something happens though nothing comes.
     pub fn next_deadline(&mut self) -> Option<Time> {
-        self.state.next_deadline(&self.program)
+        self.state.next_deadline(&self.fitted.program)
     }
 
     /// The state in which a machine stands.
     pub fn state_of(&self, machine: &str) -> Option<&str> {
-        let number = self.meaning.machines.iter().position(|m| m.name == machine)?;
+        let number = self.fitted.meaning.machines.iter().position(|m| m.name == machine)?;
         let state = self.state.inputs().state(number)?;
-        self.meaning.machines.get(number)?.states.get(state).map(|s| s.name.as_str())
+        self.fitted.meaning.machines.get(number)?.states.get(state).map(|s| s.name.as_str())
     }
 
     /// The monitor of an instance of a property starts afresh. Returns whether it could.
     pub fn reset(&mut self, property: usize, instance: &[Value]) -> bool {
         self.witness.forget(property);
-        self.state.reset_instance(&self.program, property, instance)
+        self.state.reset_instance(&self.fitted.program, property, instance)
     }
 
     /// Takes in what comes next.
@@ -150,16 +137,31 @@ impl<'s> Run<'s> {
     pub fn take(&mut self, sample: Sample<'_>) {
         self.witness.arrives(&sample);
         if self.recorder.is_none() && self.strip.is_none() {
-            return self.state.feed(&self.program, sample, &mut self.witness);
+            return self.state.feed(&self.fitted.program, sample, &mut self.witness);
         }
-        let Run { witness, recorder, strip, state, program, .. } = self;
-        state.feed(program, sample, &mut Lookers { witness, recorder: recorder.as_mut(), strip: strip.as_mut() });
+        let Run { witness, recorder, strip, state, fitted, .. } = self;
+        state.feed(
+            &fitted.program,
+            sample,
+            &mut Lookers { witness, recorder: recorder.as_mut(), strip: strip.as_mut() },
+        );
         recorder.iter_mut().for_each(|recorder| recorder.take(sample));
+    }
+
+    /// Something came that it does not read, and nothing happens by then: nobody need be told but that time goes on. Returns whether it is so; else
+    /// nothing has happened.
+    #[inline]
+    pub fn passes_quietly(&mut self, time: Time) -> bool {
+        let is_quiet = self.recorder.is_none() && self.strip.is_none() && self.state.passes_quietly(time);
+        if is_quiet {
+            self.witness.passes(time);
+        }
+        is_quiet
     }
 
     /// From now on it is noted what the signals do, for whoever looks on.
     pub fn draw(&mut self) {
-        self.strip = Some(Strip::new(&self.spec, &self.meaning));
+        self.strip = Some(Strip::new(&self.spec, &self.fitted.meaning));
     }
 
     /// What the signals did lately, where somebody looks on.
@@ -169,29 +171,34 @@ impl<'s> Run<'s> {
 
     /// How things stand of a property now, by its name.
     pub fn standing(&self, name: &str) -> Standing {
-        let number = self.blanks.iter().position(|blank| blank.name == name);
-        number.map_or_else(Standing::default, |number| self.state.standing(&self.program, number))
+        let number = self.fitted.blanks.iter().position(|blank| blank.name == name);
+        number.map_or_else(Standing::default, |number| self.state.standing(&self.fitted.program, number))
     }
 
     /// What a property shows, as it is now.
     pub fn present(&self, name: &str) -> Vec<Reading> {
-        let number = self.blanks.iter().position(|blank| blank.name == name);
+        let number = self.fitted.blanks.iter().position(|blank| blank.name == name);
         number.map_or_else(Vec::new, |number| self.witness.readings(number, &[], self.state.inputs()))
     }
 
     /// The worst margins of properties so far, where margins are computed. It takes a copy of the state: not for every step.
     pub fn margins(&self) -> Vec<(String, f64)> {
-        let outcomes = self.state.clone().finish(&self.program, &Ending::default(), &mut ());
-        let named = outcomes.iter().filter_map(|o| Some((self.blanks.get(o.property)?.name.clone(), o.margin?)));
+        let outcomes = self.state.clone().finish(&self.fitted.program, &Ending::default(), &mut ());
+        let named = outcomes.iter().filter_map(|o| Some((self.fitted.blanks.get(o.property)?.name.clone(), o.margin?)));
         named.collect()
     }
 
-    /// The next violation that has not been told, with the property that it is of.
+    /// Whether there is anything that has not been told.
     #[inline]
+    pub fn has_news(&self) -> bool {
+        self.told < self.witness.found().len() || self.jumps_told < self.witness.jumps().len()
+    }
+
+    /// The next violation that has not been told, with the property that it is of.
     pub fn news(&mut self) -> Option<Untold> {
         let found = self.witness.found().get(self.told)?;
         self.told += 1;
-        let blank = self.blanks.get(found.property)?;
+        let blank = self.fitted.blanks.get(found.property)?;
         let name = instance::name(&blank.name, &found.instance);
         Some(Untold {
             number: found.property,
@@ -224,7 +231,7 @@ impl<'s> Run<'s> {
             let (messages, unseen) = self.state.messages(number);
             Topic { name: topic.name.clone(), type_name: topic.type_name.clone(), messages, unseen }
         };
-        self.meaning.topics.iter().enumerate().map(topic).collect()
+        self.fitted.meaning.topics.iter().enumerate().map(topic).collect()
     }
 
     /// A diagnostic of this specification as text.
@@ -234,7 +241,7 @@ impl<'s> Run<'s> {
 
     /// What the recording revealed of the specification, as warnings with their places.
     pub fn revelations(&self) -> Vec<Warning> {
-        let worth = self.diagnostics.iter().filter(|d| d.severity != Severity::Note);
+        let worth = self.fitted.diagnostics.iter().filter(|d| d.severity != Severity::Note);
         worth
             .map(|d| {
                 let (line, column) = self.spec.findings().sources.position(d.primary.span);
@@ -248,15 +255,15 @@ impl<'s> Run<'s> {
     /// The recording is over; it had what was `met`, and that damage. What became of each property, with its number; of one with instances, each of
     /// them.
     pub fn finish(&mut self, damage: &Damage, met: &Met) -> Vec<(usize, Property)> {
-        let ending = damage.ending(&self.meaning.topics);
-        let Run { witness, recorder, strip, state, program, .. } = self;
+        let ending = damage.ending(&self.fitted.meaning.topics);
+        let Run { witness, recorder, strip, state, fitted, .. } = self;
         let mut lookers = Lookers { witness, recorder: recorder.as_mut(), strip: strip.as_mut() };
-        let outcomes = state.finish(program, &ending, &mut lookers);
+        let outcomes = state.finish(&fitted.program, &ending, &mut lookers);
         recorder.iter_mut().for_each(Recorder::end);
         let mut notes = Notes::new(self.witness.found());
         let mut properties = Vec::new();
         for outcome in &outcomes {
-            let Some(blank) = self.blanks.get(outcome.property) else { continue };
+            let Some(blank) = self.fitted.blanks.get(outcome.property) else { continue };
             let mut property = account::property(blank.clone(), outcome, &mut notes);
             account::doubt(&mut property, damage);
             self.guess(outcome.property, &mut property, met);
@@ -264,12 +271,17 @@ impl<'s> Run<'s> {
                 property.at_end = self.witness.readings(outcome.property, &outcome.instance, self.state.inputs());
             }
             if self.witness.is_latched(outcome.property) && property.verdict == Verdict::Violated {
-                property.hints.extend(self.latches[outcome.property].as_ref().map(Latch::hint));
+                property.hints.extend(self.fitted.latches[outcome.property].as_ref().map(Latch::hint));
             }
             if property.verdict == Verdict::Violated {
                 let silences = self.witness.silences(outcome.property).iter().filter_map(|(topic, silent)| {
                     let (messages, _) = self.state.messages(*topic);
-                    hints::silence(&self.meaning.topics.get(*topic)?.name, messages, *silent, self.witness.span())
+                    hints::silence(
+                        &self.fitted.meaning.topics.get(*topic)?.name,
+                        messages,
+                        *silent,
+                        self.witness.span(),
+                    )
                 });
                 property.hints.extend(silences);
             }
@@ -287,8 +299,10 @@ impl<'s> Run<'s> {
 
     /// Adds to the cause of a property that waited in vain what may have been meant.
     fn guess(&self, number: usize, property: &mut Property, met: &Met) {
-        let (Some(checked), Some(cause)) = (self.meaning.properties.get(number), &mut property.cause) else { return };
-        if let Some(guess) = meant::instead(&self.meaning, checked, cause, self.state.inputs(), met) {
+        let (Some(checked), Some(cause)) = (self.fitted.meaning.properties.get(number), &mut property.cause) else {
+            return;
+        };
+        if let Some(guess) = meant::instead(&self.fitted.meaning, checked, cause, self.state.inputs(), met) {
             *cause += &format!("; {guess}");
         }
     }
@@ -309,19 +323,20 @@ impl<'s> Run<'s> {
             );
             Warning::with_code(Code::SamplingUnseen, format!("{what} {how}"))
         });
-        let latched = (0..self.meaning.properties.len()).filter(|p| self.witness.is_latched(*p)).filter_map(|p| {
-            let Property { name, file, line, column, .. } = self.blanks.get(p)?;
-            let failed = properties.iter().any(|p| p.name == *name && p.verdict == Verdict::Violated);
-            let message = format!("{name} failed although the X of its `after X` had become false again before");
-            let place = Some((file.clone(), *line, *column));
-            failed.then(|| Warning { place, ..Warning::with_code(Code::LatchedAfter, message) })
-        });
+        let latched =
+            (0..self.fitted.meaning.properties.len()).filter(|p| self.witness.is_latched(*p)).filter_map(|p| {
+                let Property { name, file, line, column, .. } = self.fitted.blanks.get(p)?;
+                let failed = properties.iter().any(|p| p.name == *name && p.verdict == Verdict::Violated);
+                let message = format!("{name} failed although the X of its `after X` had become false again before");
+                let place = Some((file.clone(), *line, *column));
+                failed.then(|| Warning { place, ..Warning::with_code(Code::LatchedAfter, message) })
+            });
         let unmeasured = self.unmeasured.iter().map(|name| {
-            let limit = self.program.margin_limit;
+            let limit = self.fitted.program.margin_limit;
             let why = format!("more than {limit} values would have to be kept until the end");
             Warning::plain(format!("{name} has no margin: {why}"))
         });
-        let strangers = meant::events(&self.meaning, met);
+        let strangers = meant::events(&self.fitted.meaning, met);
         unseen.chain(latched).chain(unmeasured).chain(strangers).collect()
     }
 }

@@ -69,18 +69,18 @@ impl<'s> Session<'s> {
         let shape = shape::of(&recording);
         let mut wants = Wants::default();
         let noting = options.noting();
-        let run = |spec: &'s Spec| Run::new(Cow::Borrowed(spec), spec.against(&shape), noting);
+        let run = |spec: &'s Spec| Run::new(Cow::Borrowed(spec), spec.fitted(&shape, noting.open_limit), noting);
         let runs: Vec<Run> = specs.iter().map(run).collect();
         let intakes = runs.iter().map(|run| Intake::new(run.meaning(), &mut wants)).collect();
         let mut report = blank(specs, trace);
-        report.properties = runs.iter().flat_map(|run| run.blanks.clone()).collect();
+        report.properties = runs.iter().flat_map(Run::blanks).cloned().collect();
         report.topics = topics(&runs, &recording);
         Session { specs, recording, wants, runs, intakes, report, options: options.clone() }
     }
 
     /// What the recording revealed of the specifications, as text with places: topics that are not there, fields that types lack.
     pub fn findings(&self, style: Style) -> Vec<String> {
-        let of_run = |run: &Run| run.diagnostics.iter().map(|d| run.render(d, style)).collect::<Vec<_>>();
+        let of_run = |run: &Run| run.diagnostics().iter().map(|d| run.render(d, style)).collect::<Vec<_>>();
         // What a live run did not see is told as it happened.
         let is_of_a_run = replay::is_of_a_run(&self.recording);
         self.runs.iter().filter(|_| !is_of_a_run).flat_map(of_run).collect()
@@ -102,7 +102,7 @@ impl<'s> Session<'s> {
         runs.iter().flat_map(Run::revelations).for_each(|w| warn(&mut report, w, watch));
         let types: Vec<Topic> = std::mem::take(&mut report.topics);
         let reader = recording.read_signals(wants.list(), wants.signals());
-        let mut course = Course { reader, intakes, report: &mut report, watch };
+        let mut course = Course { reader, pace: Pace::default(), intakes, report: &mut report, watch };
         let damage = course.read(&mut runs, &options);
         let met = course.reader.met().into();
         for run in &mut runs {
@@ -178,9 +178,41 @@ fn warn(report: &mut Report, warning: Warning, watch: &mut dyn Watch) {
     report.warnings.push(warning);
 }
 
+/// How far the reading has come.
+#[derive(Default)]
+struct Pace {
+    /// From the earliest item to the latest.
+    span: Option<(Time, Time)>,
+    /// The time of the last item.
+    last: Option<Time>,
+    /// How many items there were.
+    count: u32,
+}
+
+impl Pace {
+    #[inline]
+    fn note(&mut self, time: Time) {
+        let (start, end) = self.span.unwrap_or((time, time));
+        (self.span, self.last) = (Some((start.min(time), end.max(time))), Some(time));
+        self.count = self.count.wrapping_add(1);
+    }
+
+    /// Whether it is time to tell how far it is.
+    fn is_due(&self) -> bool {
+        self.count.is_multiple_of(TOLD_EVERY)
+    }
+
+    /// Whether it will be after the next item.
+    #[inline]
+    fn is_next_due(&self) -> bool {
+        self.count.wrapping_add(1).is_multiple_of(TOLD_EVERY)
+    }
+}
+
 /// The reading of a recording.
 struct Course<'c> {
     reader: Reader,
+    pace: Pace,
     intakes: Vec<Intake>,
     report: &'c mut Report,
     watch: &'c mut dyn Watch,
@@ -190,11 +222,10 @@ impl Course<'_> {
     /// Reads to the end, or as far as is wanted. Gives what could not be read.
     fn read(&mut self, runs: &mut [Run], options: &Options) -> Damage {
         self.report.properties.clear();
-        let (mut last, mut error, mut stopped) = (None, None, None);
-        let mut count = 0_u32;
+        let (mut error, mut stopped) = (None, None);
         while stopped.is_none() {
-            let step = self.step(runs, &mut last);
-            let told: usize = runs.iter_mut().map(|run| self.tell(run)).sum();
+            let step = self.step(runs);
+            let told: usize = runs.iter_mut().filter(|run| run.has_news()).map(|run| self.tell(run)).sum();
             if told > 0 && options.until_first_violation {
                 stopped = Some("stopped at the first violation, as asked");
             } else if !self.watch.goes_on() {
@@ -208,12 +239,13 @@ impl Course<'_> {
                     break;
                 }
             }
-            count = count.wrapping_add(1);
-            if count.is_multiple_of(TOLD_EVERY) {
+            if self.pace.is_due() {
                 let (read, of) = self.reader.progress();
                 self.watch.progress(read, of);
             }
         }
+        self.report.span = self.pace.span;
+        let last = self.pace.last;
         // Who has stopped is told nothing of an input that could not be waited for.
         let mut damage = Damage::new(self.reader.losses(), error.as_ref().filter(|_| stopped.is_none()), last);
         if let Some(why) = stopped {
@@ -222,16 +254,21 @@ impl Course<'_> {
         damage
     }
 
-    fn step(&mut self, runs: &mut [Run], last: &mut Option<Time>) -> Step {
-        match self.reader.next() {
+    fn step(&mut self, runs: &mut [Run]) -> Step {
+        let Course { reader, intakes, watch, pace, .. } = self;
+        let passes = |time| {
+            let is_all = !pace.is_next_due() && watch.goes_on() && runs.iter_mut().all(|run| run.passes_quietly(time));
+            if is_all {
+                pace.note(time);
+            }
+            is_all
+        };
+        match reader.next_but(passes) {
             None => Step::End,
             Some(Err(error)) => Step::Broke(error),
             Some(Ok(item)) => {
-                let time = item.time();
-                let (start, end) = self.report.span.unwrap_or((time, time));
-                self.report.span = Some((start.min(time), end.max(time)));
-                *last = Some(time);
-                runs.iter_mut().zip(&mut self.intakes).for_each(|(run, intake)| run.take(intake.sample(&item)));
+                pace.note(item.time());
+                runs.iter_mut().zip(intakes).for_each(|(run, intake)| run.take(intake.sample(&item)));
                 Step::Went
             }
         }

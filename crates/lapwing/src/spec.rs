@@ -2,11 +2,14 @@
 
 use std::fmt;
 use std::io;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use lapwing_check::{Checked, Loaded, TraceShape, check, load};
 use lapwing_diag::{Code, Diagnostic, SourceMap, Span, Style, has_errors};
 
+use crate::fitted::{Fitted, Latest};
 use crate::types::Known;
 
 /// A specification without errors.
@@ -16,6 +19,7 @@ pub struct Spec {
     loaded: Loaded,
     findings: Findings,
     alone: Checked,
+    latest: Latest,
 }
 
 /// What was found in a specification, with the texts that it is about.
@@ -83,7 +87,7 @@ impl Spec {
         let findings = Findings { sources, diagnostics };
         match has_errors(&findings.diagnostics) {
             true => Err(SpecError::Wrong(findings)),
-            false => Ok(Spec { name: name.to_owned(), loaded, findings, alone }),
+            false => Ok(Spec { name: name.to_owned(), loaded, findings, alone, latest: Latest::default() }),
         }
     }
 
@@ -105,6 +109,11 @@ impl Spec {
     /// What it means for recordings of that shape.
     pub fn against(&self, shape: &TraceShape) -> Checked {
         check(&self.findings.sources, &self.loaded, Some(shape))
+    }
+
+    /// The same, ready to run, with a limit of how many runs of obligations a property may have open.
+    pub(crate) fn fitted(&self, shape: &TraceShape, open_limit: Option<NonZeroUsize>) -> Arc<Fitted> {
+        self.latest.get(shape, open_limit, || Fitted::new(self, self.against(shape), open_limit))
     }
 
     /// The names and texts of the files that it consists of, its own first.

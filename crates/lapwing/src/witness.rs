@@ -1,5 +1,7 @@
 //! What a report will need of the moments at which something failed, noted when it happens.
 
+use std::sync::Arc;
+
 use lapwing_check::checked::{self, Clock, InputSource, ObjectSource};
 use lapwing_engine::inputs::Inputs;
 use lapwing_engine::{Alarm, Observer, Output};
@@ -62,7 +64,7 @@ pub(crate) struct Interest {
 #[derive(Debug)]
 pub(crate) struct Witness {
     clock: Clock,
-    interests: Vec<Interest>,
+    interests: Arc<[Interest]>,
     ring: Ring,
     /// The first instant since time began or jumped.
     first: Option<Time>,
@@ -82,9 +84,9 @@ pub(crate) struct Witness {
 
 impl Witness {
     /// Of a specification, and what is to be noted of each of its properties.
-    pub fn new(meaning: &checked::Spec, interests: Vec<Interest>) -> Witness {
+    pub fn new(meaning: &checked::Spec, interests: Arc<[Interest]>) -> Witness {
         let mut kept = Kept::default();
-        for interest in &interests {
+        for interest in &*interests {
             interest.shown.iter().for_each(|s| s.keep(&mut kept));
             interest.latch.iter().for_each(|latch| kept.add(&latch.x));
             interest.positions.keep(&mut kept);
@@ -111,6 +113,13 @@ impl Witness {
     pub fn arrives(&mut self, sample: &Sample<'_>) {
         self.arriving = sample.time;
         self.ring.arrive(sample);
+    }
+
+    /// Something comes that the engine does not read.
+    #[inline]
+    pub fn passes(&mut self, time: Time) {
+        self.arriving = time;
+        self.ring.settle(None);
     }
 
     /// The failures so far, in the order in which they were told.

@@ -146,23 +146,43 @@ impl Reader {
     /// The next item, in the order of the file or, by header, of time. After an error there are no more.
     #[expect(clippy::should_implement_trait, reason = "an item borrows from the reader, which no iterator can say")]
     pub fn next(&mut self) -> Option<Result<Item<'_>, ReadError>> {
+        self.next_but(|_| false)
+    }
+
+    /// The next item but for messages that nobody looks at, and of which the time is all there is to know: `passes` is told it, and says whether
+    /// that was enough. If not, it comes as an item as well.
+    // PERF: of most recordings most messages are so, and what is made of an item costs more than they do.
+    #[inline]
+    pub fn next_but(&mut self, mut passes: impl FnMut(Time) -> bool) -> Option<Result<Item<'_>, ReadError>> {
         if self.order.is_some() {
             return self.next_in_order();
         }
-        if self.ended {
-            return None;
+        while !self.ended {
+            match self.source.advance(&mut self.losses) {
+                Ok(Some((time, Head::Message(channel)))) if self.passes_over(channel) => {
+                    self.losses.last = Some(time);
+                    if !passes(time) {
+                        return Some(Ok(self.item(Pulled { time, what: What::Message { channel, wanted: None } })));
+                    }
+                }
+                Ok(Some((time, head))) => {
+                    let pulled = self.pulled(time, head);
+                    return Some(Ok(self.item(pulled)));
+                }
+                Ok(None) => self.ended = true,
+                Err(error) => {
+                    self.ended = true;
+                    return Some(Err(error));
+                }
+            }
         }
-        let found = self.source.advance(&mut self.losses);
-        // PERF: a row needs nothing more, and there are many.
-        if let Ok(Some((time, Head::Row))) = found {
-            self.losses.last = Some(time);
-            return Some(Ok(Item::Row { time, cells: self.source.cells() }));
-        }
-        match self.pulled(found) {
-            Ok(Some(pulled)) => Some(Ok(self.item(pulled))),
-            Ok(None) => None,
-            Err(error) => Some(Err(error)),
-        }
+        None
+    }
+
+    /// Whether nobody looks at the messages of a channel.
+    #[inline]
+    fn passes_over(&self, channel: usize) -> bool {
+        self.bindings.get(channel).is_some_and(|binding| binding.decoder.is_none())
     }
 
     /// What could not be read so far.
@@ -186,22 +206,20 @@ impl Reader {
             return Ok(None);
         }
         let found = self.source.advance(&mut self.losses);
-        self.pulled(found)
+        self.ended = !matches!(found, Ok(Some(_)));
+        Ok(found?.map(|(time, head)| self.pulled(time, head)))
     }
 
     /// What the source has found, its fields decoded.
-    fn pulled(&mut self, found: Result<Option<(Time, Head)>, ReadError>) -> Result<Option<Pulled>, ReadError> {
-        let Ok(Some((time, head))) = found else {
-            self.ended = true;
-            return found.map(|_| None);
-        };
+    #[inline]
+    fn pulled(&mut self, time: Time, head: Head) -> Pulled {
         let pulled = match head {
             Head::Message(channel) => self.message(time, channel),
             Head::Row => Pulled { time, what: What::Row },
             Head::Event => Pulled { time, what: What::Event },
         };
         self.losses.last = Some(pulled.time);
-        Ok(Some(pulled))
+        pulled
     }
 
     fn message(&mut self, time: Time, channel: usize) -> Pulled {

@@ -109,14 +109,10 @@ fn columns(spec: &checked::Spec) -> Vec<engine::Column> {
 }
 
 fn object(spec: &checked::Spec, number: usize, object: &checked::Object) -> engine::Object {
-    let mut slots = [None; 13];
-    for (slot, input) in spec.inputs.iter().enumerate() {
-        if let InputSource::World { object, part } = input.source
-            && object == number
-        {
-            slots[part as usize] = Some(slot);
-        }
-    }
+    let parts = spec.inputs.iter().enumerate().filter_map(|(slot, input)| match input.source {
+        InputSource::World { object, part } if object == number => Some((part as usize, slot)),
+        _ => None,
+    });
     let source = match &object.source {
         &ObjectSource::ModelStates { name, pose, twist, .. } => engine::ObjectSource::ModelStates { name, pose, twist },
         &ObjectSource::Odometry { pose, twist, .. } => engine::ObjectSource::Odometry { pose, twist },
@@ -125,7 +121,7 @@ fn object(spec: &checked::Spec, number: usize, object: &checked::Object) -> engi
             engine::ObjectSource::Tf { topics: topics.clone(), fixed: fixed.clone(), frame: frame.clone() }
         }
     };
-    engine::Object { name: object.name.clone(), source, slots }
+    engine::Object { name: object.name.clone(), source, parts: parts.collect() }
 }
 
 fn event(event: &checked::Event, counters: &mut u32) -> engine::Event {

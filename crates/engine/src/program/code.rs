@@ -173,6 +173,14 @@ pub enum Func {
     Contains,
 }
 
+impl Func {
+    /// Whether it makes a number of numbers alone.
+    pub fn is_numeric(self) -> bool {
+        use Func::*;
+        !matches!(self, IsNan | Len | MinOf | MaxOf | Lookup | StartsWith | EndsWith | Contains)
+    }
+}
+
 /// A time bound: positions at a distance from `lo` to `hi`.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
 #[allow(missing_docs)]

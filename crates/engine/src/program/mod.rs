@@ -102,15 +102,15 @@ pub struct Topic {
     pub wakes: Vec<Wake>,
 }
 
-/// An object of the ground truth and the slots that its parts fill: position 3, quaternion 4 (x, y, z, w), linear 3, angular 3.
+/// An object of the ground truth.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Object {
     /// Its name.
     pub name: String,
     /// Where it comes from.
     pub source: ObjectSource,
-    /// The slots of its thirteen parts, where they are read.
-    pub slots: [Option<usize>; 13],
+    /// Those of its thirteen parts that are read, and the slots that they fill: position 3, quaternion 4 (x, y, z, w), linear 3, angular 3.
+    pub parts: Vec<(usize, usize)>,
 }
 
 /// Where an object's ground truth comes from: numbers of wanted fields.

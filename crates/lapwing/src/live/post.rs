@@ -192,7 +192,7 @@ impl<'s> Post<'s> {
         }
         for run in self.shifts.iter_mut().map(|shift| &mut shift.run) {
             let is_of = |name: &str| name.split('[').next() == Some(property);
-            let numbers: Vec<usize> = (0..run.blanks.len()).filter(|k| is_of(&run.blanks[*k].name)).collect();
+            let numbers: Vec<usize> = (0..run.blanks().len()).filter(|k| is_of(&run.blanks()[*k].name)).collect();
             numbers.into_iter().for_each(|number| _ = run.reset(number, &[]));
         }
     }
@@ -202,7 +202,7 @@ impl<'s> Post<'s> {
         let mut judged: BTreeMap<String, Vec<Property>> = BTreeMap::new();
         for shift in &mut self.shifts {
             for (number, property) in shift.run.finish(damage, &Met::default()) {
-                let name = shift.run.blanks.get(number).map(|blank| blank.name.clone()).unwrap_or_default();
+                let name = shift.run.blanks().get(number).map(|blank| blank.name.clone()).unwrap_or_default();
                 if shift.owned.contains(&name) {
                     judged.entry(name).or_default().push(property);
                 }

@@ -5,6 +5,7 @@
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use bytes::Bytes;
 use lapwing_check::Checked;
@@ -13,6 +14,7 @@ use lapwing_record::{Cells, Decoder, Item};
 use lapwing_stream::{Sample, Time, Value, What};
 
 use super::graph::Graph;
+use crate::fitted::Fitted;
 use crate::intake::{Intake, Wants};
 use crate::run::Run;
 use crate::session::Options;
@@ -67,7 +69,8 @@ impl<'s> Shift<'s> {
         let of_events = of_events.collect();
         let mut wants = Wants::default();
         let noting = options.noting();
-        let run = Run::new(Cow::Borrowed(spec), checked, noting);
+        let fitted = Arc::new(Fitted::new(spec, checked, noting.open_limit));
+        let run = Run::new(Cow::Borrowed(spec), fitted, noting);
         let intake = Intake::new(run.meaning(), &mut wants);
         let elements = options.recording.limits.elements;
         Shift { run, owned, wants, intake, types, of_events, bindings: BTreeMap::new(), elements }
@@ -75,7 +78,7 @@ impl<'s> Shift<'s> {
 
     /// The properties that it judges, with their numbers.
     pub fn own(&self) -> impl Iterator<Item = (usize, String)> {
-        let named = self.run.blanks.iter().enumerate().map(|(number, blank)| (number, blank.name.clone()));
+        let named = self.run.blanks().iter().enumerate().map(|(number, blank)| (number, blank.name.clone()));
         named.filter(|(_, name)| self.owned.contains(name))
     }
 

@@ -1,9 +1,12 @@
 //! What the latest instants looked like: of each instant only what it changed.
 
+mod rows;
+
 use std::collections::VecDeque;
 
 use lapwing_stream::{Sample, Time, Value, What};
 
+use self::rows::{Strip, Table, bytes, fill};
 use crate::moment::{Kept, Moment};
 
 /// How many instants are kept at least, and at most.
@@ -11,9 +14,6 @@ const INSTANTS: std::ops::Range<usize> = 1024..65_536;
 
 /// The ring does not grow beyond this, in bytes.
 const BYTES: usize = 4 << 20;
-
-/// The longest array that is kept: a laser scan is, a picture is not.
-const LONGEST: usize = 512;
 
 /// What a signal may get a value from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,6 +40,10 @@ pub(crate) struct Ring {
     oldest: u64,
     /// The signals, those that come together side by side.
     groups: Vec<Group>,
+    /// The groups for which something has come since their latest row.
+    due: Vec<usize>,
+    /// The group of what may change whenever something comes.
+    any: Option<usize>,
     /// For each kept signal its group, and its place there.
     places: Vec<(usize, usize)>,
     /// For each kept event, the fields of its occurrences.
@@ -48,27 +52,17 @@ pub(crate) struct Ring {
     machines: Vec<Strip<Option<usize>>>,
     /// For each kept topic, the stamps of its messages.
     topics: Vec<Strip<Time>>,
-    /// What the engine takes in, and when.
-    arrival: Option<(Time, Source)>,
+    /// When what the engine takes in came, and the group that it is for.
+    arrival: Option<(Time, usize)>,
 }
 
-/// Signals that get their values together.
+/// Signals that get their values together, from the same source.
 #[derive(Debug)]
 struct Group {
     source: Source,
-    inputs: Vec<usize>,
-    /// Whether something has come since the latest row.
+    /// Whether it is one of those for which something has come.
     is_due: bool,
-    /// From which instant on each row counts.
-    from: VecDeque<u64>,
-    /// The values of one row after the other.
-    values: VecDeque<Value>,
-}
-
-/// What changes now and then: rows, each with the number of the instant from which on it counts.
-#[derive(Debug)]
-struct Strip<T> {
-    rows: VecDeque<(u64, T)>,
+    table: Table,
 }
 
 /// An instant of a [`Ring`].
@@ -76,65 +70,6 @@ struct Strip<T> {
 pub(crate) struct Instant<'r> {
     ring: &'r Ring,
     number: u64,
-}
-
-impl Group {
-    fn new(source: Source) -> Group {
-        Group { source, inputs: Vec::new(), is_due: true, from: VecDeque::new(), values: VecDeque::new() }
-    }
-
-    /// Adds a row, in the buffers of one that no instant from `oldest` on needs.
-    fn push(&mut self, number: u64, oldest: u64, moment: &impl Moment) {
-        let is_past = self.from.get(1).is_some_and(|next| *next <= oldest);
-        if is_past {
-            self.from.pop_front();
-        }
-        self.from.push_back(number);
-        for &input in &self.inputs {
-            let spare = if is_past { self.values.pop_front() } else { None };
-            let mut value = spare.unwrap_or_default();
-            keep(&mut value, moment.value(input));
-            self.values.push_back(value);
-        }
-    }
-
-    /// The value at a place in the row that counts at an instant.
-    fn at(&self, number: u64, place: usize) -> Option<&Value> {
-        let row = self.from.partition_point(|from| *from <= number).checked_sub(1)?;
-        self.values.get(row * self.inputs.len() + place)
-    }
-
-    fn clear(&mut self) {
-        self.from.clear();
-        self.values.clear();
-        self.is_due = true;
-    }
-}
-
-impl<T: Default> Strip<T> {
-    fn new() -> Strip<T> {
-        Strip { rows: VecDeque::new() }
-    }
-
-    /// Adds a row, in the buffers of one that no instant from `oldest` on needs.
-    fn push(&mut self, number: u64, oldest: u64, fill: impl FnOnce(&mut T)) {
-        let is_past = self.rows.get(1).is_some_and(|(next, _)| *next <= oldest);
-        let spare = if is_past { self.rows.pop_front() } else { None };
-        let mut row = spare.map(|(_, row)| row).unwrap_or_default();
-        fill(&mut row);
-        self.rows.push_back((number, row));
-    }
-
-    /// The row that counts at an instant, and from when on.
-    fn at(&self, number: u64) -> Option<&(u64, T)> {
-        let after = self.rows.partition_point(|(from, _)| *from <= number);
-        self.rows.get(after.checked_sub(1)?)
-    }
-
-    /// The row that was added last.
-    fn last(&self) -> Option<&T> {
-        self.rows.back().map(|(_, row)| row)
-    }
 }
 
 impl Ring {
@@ -146,18 +81,19 @@ impl Ring {
             let source = source(input);
             let known = groups.iter().position(|g| g.source == source);
             let group = known.unwrap_or_else(|| {
-                groups.push(Group::new(source));
+                groups.push(Group { source, is_due: false, table: Table::new() });
                 groups.len() - 1
             });
-            places.push((group, groups[group].inputs.len()));
-            groups[group].inputs.push(input);
+            places.push((group, groups[group].table.add(input)));
         }
-        Ring {
+        let mut ring = Ring {
             reach,
             capacity: INSTANTS.start,
             is_full: false,
             times: VecDeque::new(),
             oldest: 0,
+            any: groups.iter().position(|g| g.source == Source::Any),
+            due: Vec::with_capacity(groups.len()),
             groups,
             places,
             events: kept.events.iter().map(|_| Strip::new()).collect(),
@@ -165,6 +101,21 @@ impl Ring {
             topics: kept.topics.iter().map(|_| Strip::new()).collect(),
             kept,
             arrival: None,
+        };
+        ring.make_all_due();
+        ring
+    }
+
+    /// The next instant is the first: it has everything.
+    fn make_all_due(&mut self) {
+        (0..self.groups.len()).for_each(|group| self.make_due(group));
+    }
+
+    fn make_due(&mut self, group: usize) {
+        if let Some(Group { is_due, .. }) = self.groups.get_mut(group)
+            && !std::mem::replace(is_due, true)
+        {
+            self.due.push(group);
         }
     }
 
@@ -172,17 +123,20 @@ impl Ring {
     #[inline]
     pub fn arrive(&mut self, sample: &Sample<'_>) {
         self.settle(None);
-        self.arrival = match sample.what {
-            What::Message { topic, .. } => Some((sample.time, Source::Topic(topic))),
-            What::Row { .. } => Some((sample.time, Source::Rows)),
-            What::Event { .. } | What::Other => None,
+        let source = match sample.what {
+            What::Message { topic, .. } => Source::Topic(topic),
+            What::Row { .. } => Source::Rows,
+            What::Event { .. } | What::Other => return,
         };
+        self.arrival = self.groups.iter().position(|g| g.source == source).map(|group| (sample.time, group));
     }
 
-    /// What arrived by then has changed its signals.
-    fn settle(&mut self, by: Option<Time>) {
-        let Some((_, source)) = self.arrival.take_if(|(time, _)| by.is_none_or(|by| *time <= by)) else { return };
-        self.groups.iter_mut().for_each(|group| group.is_due |= group.source == source);
+    /// What arrived by then, or at all, has changed its signals.
+    #[inline]
+    pub fn settle(&mut self, by: Option<Time>) {
+        if let Some((_, group)) = self.arrival.take_if(|(time, _)| by.is_none_or(|by| *time <= by)) {
+            self.make_due(group);
+        }
     }
 
     /// An instant is over.
@@ -204,10 +158,11 @@ impl Ring {
 
     fn store(&mut self, number: u64, from: &impl Moment) {
         let oldest = self.oldest;
-        for group in &mut self.groups {
-            if std::mem::take(&mut group.is_due) || group.source == Source::Any {
-                group.push(number, oldest, from);
-            }
+        self.any.into_iter().for_each(|any| self.make_due(any));
+        for group in self.due.drain(..) {
+            let Group { is_due, table, .. } = &mut self.groups[group];
+            *is_due = false;
+            table.push(number, oldest, |input| from.value(input));
         }
         for (&event, rows) in self.kept.events.iter().zip(&mut self.events) {
             if let Some(fields) = from.event(event) {
@@ -237,24 +192,22 @@ impl Ring {
     }
 
     fn bytes(&self) -> usize {
-        let row = |(_, row): &(u64, Vec<Value>)| size_of::<(u64, Vec<Value>)>() + row.iter().map(bytes).sum::<usize>();
-        let rows = self.events.iter().flat_map(|strip| &strip.rows);
-        let signals = self.groups.iter().flat_map(|group| &group.values).map(bytes).sum::<usize>();
-        let starts = self.groups.iter().map(|group| group.from.len() * size_of::<u64>()).sum::<usize>();
-        let stamps: usize = self.topics.iter().map(|strip| strip.rows.len() * size_of::<(u64, Time)>()).sum();
-        let states: usize =
-            self.machines.iter().map(|strip| strip.rows.len() * size_of::<(u64, Option<usize>)>()).sum();
-        self.times.len() * size_of::<Time>() + signals + starts + rows.map(row).sum::<usize>() + stamps + states
+        let signals: usize = self.groups.iter().map(|group| group.table.bytes()).sum();
+        let events: usize = self.events.iter().map(|e| e.bytes(|row| row.iter().map(bytes).sum())).sum();
+        let stamps: usize = self.topics.iter().map(|topic| topic.bytes(|_| 0)).sum();
+        let states: usize = self.machines.iter().map(|machine| machine.bytes(|_| 0)).sum();
+        self.times.len() * size_of::<Time>() + signals + events + stamps + states
     }
 
     /// Time jumped: what was before is no history of what comes.
     pub fn clear(&mut self) {
         self.times.clear();
         self.oldest = 0;
-        self.groups.iter_mut().for_each(Group::clear);
-        self.events.iter_mut().for_each(|strip| strip.rows.clear());
-        self.machines.iter_mut().for_each(|strip| strip.rows.clear());
-        self.topics.iter_mut().for_each(|strip| strip.rows.clear());
+        self.groups.iter_mut().for_each(|group| group.table.clear());
+        self.make_all_due();
+        self.events.iter_mut().for_each(Strip::clear);
+        self.machines.iter_mut().for_each(Strip::clear);
+        self.topics.iter_mut().for_each(Strip::clear);
     }
 
     /// Whether the oldest is the first that there was.
@@ -274,30 +227,6 @@ impl Ring {
     }
 }
 
-/// Stores values in the buffers of earlier ones.
-fn fill<'v>(row: &mut Vec<Value>, values: impl ExactSizeIterator<Item = &'v Value>) {
-    row.resize_with(values.len(), Value::default);
-    row.iter_mut().zip(values).for_each(|(to, from)| keep(to, from));
-}
-
-#[inline]
-fn keep(to: &mut Value, from: &Value) {
-    match from {
-        Value::Num(_) | Value::Bool(_) | Value::Str(_) => to.clone_from(from),
-        Value::Nums(xs) if xs.len() <= LONGEST => to.clone_from(from),
-        _ => *to = Value::Missing,
-    }
-}
-
-fn bytes(value: &Value) -> usize {
-    let more = match value {
-        Value::Str(s) => s.capacity(),
-        Value::Nums(xs) => xs.capacity() * size_of::<f64>(),
-        _ => 0,
-    };
-    size_of::<Value>() + more
-}
-
 impl Instant<'_> {
     /// When it was.
     pub fn time(&self) -> Time {
@@ -315,7 +244,7 @@ impl Moment for Instant<'_> {
         let Ring { kept, places, groups, .. } = self.ring;
         let found = kept.inputs.binary_search(&input).ok().and_then(|kept| {
             let (group, place) = *places.get(kept)?;
-            groups.get(group)?.at(self.number, place)
+            groups.get(group)?.table.at(self.number, place)
         });
         found.unwrap_or(&Value::Missing)
     }
@@ -345,6 +274,7 @@ impl Moment for Instant<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::rows::LONGEST;
     use super::*;
     use crate::moment::Fixed;
 
