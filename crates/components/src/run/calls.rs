@@ -43,7 +43,7 @@ impl Run {
         }
         self.note(automaton, Flight { codel, began: self.now, held: None });
         let lane = self.lane(automaton, component, declared);
-        self.jobs.push(Job { lane, automaton, call, codel: written });
+        self.jobs.push(Job { lane, automaton, at, call, codel: written });
     }
 
     fn known(&self, at: (usize, usize)) -> Option<&Known> {

@@ -6,6 +6,7 @@
 //! their tasks.
 
 mod calls;
+mod crew;
 mod known;
 mod moves;
 mod stage;
@@ -53,6 +54,9 @@ pub struct Setup {
     pub rules: Rules,
     /// In real time, how long a codel may be away before it counts as hung.
     pub patience: Duration,
+    /// In real time, whether every task calls its codels on a thread of its own, also those that return at once: for codels that keep something by
+    /// thread.
+    pub own_threads: bool,
 }
 
 impl Default for Setup {
@@ -64,6 +68,7 @@ impl Default for Setup {
             instances: 2,
             rules: Rules::default(),
             patience: Duration::from_nanos(5_000_000_000),
+            own_threads: false,
         }
     }
 }
