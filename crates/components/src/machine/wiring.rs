@@ -102,10 +102,11 @@ struct Hope {
     at: u64,
 }
 
-/// A condition: what must hold of single variables, and what else must.
+/// A condition: what must hold of single variables, of what else one alternative each must, and what is more intricate.
 #[derive(Clone, Copy)]
 pub(super) struct Guard {
     tests: Row,
+    choices: Row,
     others: Row,
 }
 
@@ -113,6 +114,8 @@ pub(super) struct Guard {
 #[derive(Default)]
 struct Code {
     tests: Vec<Test>,
+    /// Alternatives, each a single test.
+    choices: Vec<Row>,
     others: Vec<Cond>,
     ops: Vec<Op>,
 }
@@ -138,18 +141,23 @@ enum Op {
 
 impl Code {
     fn guard(&mut self, cond: &Cond) -> Guard {
-        let (mut tests, mut others) = (Vec::new(), Vec::new());
+        let (mut tests, mut choices, mut others) = (Vec::new(), Vec::new(), Vec::new());
         let mut left = vec![cond];
         while let Some(cond) = left.pop() {
             match cond {
-                Cond::Is(var, value) => tests.push(Test::Is(*var, *value)),
-                Cond::Not(var, value) => tests.push(Test::Not(*var, *value)),
-                Cond::Less(var, value) => tests.push(Test::Less(*var, *value)),
                 Cond::All(parts) => left.extend(parts.iter().rev()),
-                Cond::Any(_) => others.push(cond.clone()),
+                Cond::Any(parts) => match parts.iter().map(Test::of).collect::<Option<Vec<Test>>>() {
+                    Some(alternatives) => choices.push(Row::add(&mut self.tests, alternatives)),
+                    None => others.push(cond.clone()),
+                },
+                single => tests.extend(Test::of(single)),
             }
         }
-        Guard { tests: Row::add(&mut self.tests, tests), others: Row::add(&mut self.others, others) }
+        Guard {
+            tests: Row::add(&mut self.tests, tests),
+            choices: Row::add(&mut self.choices, choices),
+            others: Row::add(&mut self.others, others),
+        }
     }
 
     fn actions(&mut self, all: &[Action]) -> Vec<Op> {
@@ -173,14 +181,31 @@ impl Code {
     }
 
     fn holds(&self, guard: Guard, values: &[i64]) -> bool {
+        let is_so = |test: &Test| test.holds(values);
+        guard.tests.of(&self.tests).iter().all(is_so)
+            && guard.choices.of(&self.choices).iter().all(|one| one.of(&self.tests).iter().any(is_so))
+            && guard.others.of(&self.others).iter().all(|cond| cond.holds(values))
+    }
+}
+
+impl Test {
+    /// A condition that is a single test.
+    fn of(cond: &Cond) -> Option<Test> {
+        match *cond {
+            Cond::Is(var, value) => Some(Test::Is(var, value)),
+            Cond::Not(var, value) => Some(Test::Not(var, value)),
+            Cond::Less(var, value) => Some(Test::Less(var, value)),
+            Cond::All(_) | Cond::Any(_) => None,
+        }
+    }
+
+    fn holds(self, values: &[i64]) -> bool {
         let value = |var: VarId| values.get(var.0).copied().unwrap_or(0);
-        let is_so = |test: &Test| match *test {
+        match self {
             Test::Is(var, wanted) => value(var) == wanted,
             Test::Not(var, other) => value(var) != other,
             Test::Less(var, bound) => value(var) < bound,
-        };
-        guard.tests.of(&self.tests).iter().all(is_so)
-            && (guard.others.is_empty() || guard.others.of(&self.others).iter().all(|cond| cond.holds(values)))
+        }
     }
 }
 

@@ -37,7 +37,7 @@ pub(super) struct Crew {
     common: VecDeque<Job>,
     common_since: i64,
     /// By component and codel: how often in a row it has returned at once.
-    habits: BTreeMap<(usize, usize), u8>,
+    habits: Vec<Vec<u8>>,
     /// How many threads are away for codels that return at once, and come back for what is common.
     attending: usize,
     /// Whether tasks share threads at all.
@@ -78,13 +78,13 @@ pub(super) struct Errand {
 }
 
 impl Crew {
-    /// Nobody yet. `shares` is whether codels that return at once may be called by threads of other tasks.
-    pub fn new(shares: bool) -> Crew {
+    /// Nobody yet. `shares` is whether codels that return at once may be called by threads of other tasks, `codels` how many each component has.
+    pub fn new(shares: bool, codels: impl Iterator<Item = usize>) -> Crew {
         Crew {
             players: BTreeMap::new(),
             common: VecDeque::new(),
             common_since: 0,
-            habits: BTreeMap::new(),
+            habits: codels.map(|count| vec![0; count]).collect(),
             attending: 0,
             shares,
         }
@@ -117,7 +117,8 @@ impl Crew {
 
     /// A codel is to be called.
     pub fn assign(&mut self, job: Job, now: i64) {
-        let returns_at_once = self.habits.get(&job.at).is_some_and(|habit| *habit >= TRUSTED);
+        let habit = self.habits.get(job.at.0).and_then(|of| of.get(job.at.1));
+        let returns_at_once = habit.is_some_and(|habit| *habit >= TRUSTED);
         if self.shares && returns_at_once && self.shares(job.lane) {
             if self.common.is_empty() {
                 self.common_since = now;
@@ -170,8 +171,9 @@ impl Crew {
         }
         self.attending -= usize::from(errand.is_attended && self.attending > 0);
         let further = |streak: u8| if took <= QUICK_NS { streak.saturating_add(1) } else { 0 };
-        let habit = self.habits.entry(errand.codel).or_default();
-        *habit = further(*habit);
+        if let Some(habit) = self.habits.get_mut(errand.codel.0).and_then(|of| of.get_mut(errand.codel.1)) {
+            *habit = further(*habit);
+        }
         let Some(player) = self.players.get_mut(&errand.lane).filter(|_| !matches!(errand.lane, Lane::Beside(_)))
         else {
             return;

@@ -94,14 +94,6 @@ struct Serving {
     thrown: Option<String>,
 }
 
-/// A codel that is being run.
-struct Flight {
-    codel: CodelId,
-    began: Time,
-    /// In logical time: what it has done, which is known to nobody before it ends.
-    held: Option<Done>,
-}
-
 /// What a codel has done.
 struct Done {
     /// None where nobody has written it: then it has changed nothing.
@@ -129,8 +121,12 @@ pub struct Run {
     requests: u64,
     /// How many codels have been called in logical time: those that are due at once return in this order.
     calls: u64,
-    /// By automaton.
-    flights: Vec<Option<Flight>>,
+    /// By automaton: the codel that is being run.
+    flights: Vec<Option<CodelId>>,
+    /// By automaton, in logical time: what its codel has done, which is known to nobody before it ends.
+    held: Vec<Option<Done>>,
+    /// In real time: since when codels are away, and of which automata.
+    away: Vec<(i64, usize)>,
     returns: BinaryHeap<Due>,
     /// By the number of the cell.
     serving: Vec<Serving>,
@@ -224,6 +220,8 @@ impl Run {
             requests: 0,
             calls: 0,
             flights: system.automata.iter().map(|_| None).collect(),
+            held: system.automata.iter().map(|_| None).collect(),
+            away: Vec::new(),
             returns: BinaryHeap::new(),
             serving: vec![Serving::default(); system.cells.len()],
             cell_of_automaton: Table::new(system.automata.len(), cells().map(|(n, c)| (c.automaton, n))),

@@ -119,7 +119,7 @@ struct Stage<O> {
 
 impl<O: Observer + 'static> Shared<O> {
     fn new(run: Run, observer: O, mouth: Sender<Word>) -> Arc<Shared<O>> {
-        let crew = Crew::new(!run.setup.own_threads);
+        let crew = Crew::new(!run.setup.own_threads, run.codels.iter().map(Vec::len));
         let stage = Stage { run, observer, crew, looks_at: i64::MAX };
         let looks_from = AtomicI64::new(i64::MIN);
         Arc::new(Shared { origin: Instant::now(), mouth, looks_from, stage: Mutex::new(Some(stage)) })
