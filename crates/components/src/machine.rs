@@ -229,7 +229,7 @@ impl State {
     fn look(&mut self, wiring: &Wiring, automaton: usize, now: Time) -> Option<Move> {
         let place = wiring.place_of(automaton, self.location(automaton))?;
         for step in place.steps.of(&wiring.steps) {
-            if !wiring.holds(step.guard, &self.values) {
+            if !wiring.holds(&step.guard, &self.values) {
                 continue;
             }
             match step.codel {
@@ -281,7 +281,9 @@ impl State {
             change.after = values.get(change.var.0).copied().unwrap_or(change.before);
         }
         changes.retain(|change| change.after != change.before);
-        changes.sort_unstable_by_key(|change| change.var);
+        if changes.len() > 1 {
+            changes.sort_unstable_by_key(|change| change.var);
+        }
         for place in 0..self.changes.len() {
             if let Some(Change { var, after, .. }) = self.changes.get(place).copied() {
                 self.disturb(wiring, var, after);

@@ -10,16 +10,16 @@ use lapwing_genom::automata::{Action, Automaton, Class, ClockGuard, Cond, Edge, 
 use lapwing_genom::model::CodelId;
 
 /// Some that follow each other in one of the tables.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Default, Debug)]
 pub(super) struct Row {
-    start: usize,
-    end: usize,
+    start: u32,
+    end: u32,
 }
 
 impl Row {
     /// These of a table.
     pub fn of<T>(self, table: &[T]) -> &[T] {
-        table.get(self.start..self.end).unwrap_or(&[])
+        table.get(self.start as usize..self.end as usize).unwrap_or(&[])
     }
 
     pub fn is_empty(self) -> bool {
@@ -28,10 +28,15 @@ impl Row {
 
     /// Puts some behind what is in a table.
     fn add<T>(table: &mut Vec<T>, all: impl IntoIterator<Item = T>) -> Row {
-        let start = table.len();
+        let start = small(table.len());
         table.extend(all);
-        Row { start, end: table.len() }
+        Row { start, end: small(table.len()) }
     }
+}
+
+/// A number in a table. None of them is so long that it would not fit: a table of a task has no more than 128 cells, and files are limited.
+fn small(number: usize) -> u32 {
+    u32::try_from(number).unwrap_or(u32::MAX)
 }
 
 pub(super) struct Wiring {
@@ -89,7 +94,7 @@ pub(crate) struct Way {
     pub concludes: bool,
     pub is_refusal: bool,
     pub(super) resets: bool,
-    ops: (usize, usize),
+    ops: Row,
 }
 
 /// Automata that may move where a variable has a value.
@@ -108,6 +113,8 @@ pub(super) struct Guard {
     tests: Row,
     choices: Row,
     others: Row,
+    /// Whether there are only tests.
+    is_plain: bool,
 }
 
 /// Conditions and what edges do.
@@ -117,26 +124,27 @@ struct Code {
     /// Alternatives, each a single test.
     choices: Vec<Row>,
     others: Vec<Cond>,
+    guards: Vec<Guard>,
     ops: Vec<Op>,
 }
 
 /// What must hold of a variable.
 #[derive(Clone, Copy)]
 enum Test {
-    Is(VarId, i64),
-    Not(VarId, i64),
-    Less(VarId, i64),
+    Is(u32, i64),
+    Not(u32, i64),
+    Less(u32, i64),
 }
 
 /// A step of what an edge does.
 #[derive(Clone, Copy)]
 enum Op {
-    Set(VarId, i64),
-    Add(VarId, i64),
-    /// The next so many are left out unless it holds.
-    If(Guard, usize),
+    Set(u32, i64),
+    Add(u32, i64),
+    /// The next so many are left out unless a guard holds, by its number.
+    If(u32, u32),
     /// The next so many are left out.
-    Skip(usize),
+    Skip(u32),
 }
 
 impl Code {
@@ -154,6 +162,7 @@ impl Code {
             }
         }
         Guard {
+            is_plain: choices.is_empty() && others.is_empty(),
             tests: Row::add(&mut self.tests, tests),
             choices: Row::add(&mut self.choices, choices),
             others: Row::add(&mut self.others, others),
@@ -164,15 +173,17 @@ impl Code {
         let mut ops = Vec::new();
         for action in all {
             match action {
-                Action::Set(var, value) => ops.push(Op::Set(*var, *value)),
-                Action::Add(var, by) => ops.push(Op::Add(*var, *by)),
+                Action::Set(var, value) => ops.push(Op::Set(small(var.0), *value)),
+                Action::Add(var, by) => ops.push(Op::Add(small(var.0), *by)),
                 Action::If(cond, then, otherwise) => {
                     let guard = self.guard(cond);
+                    let number = small(self.guards.len());
+                    self.guards.push(guard);
                     let (mut then, otherwise) = (self.actions(then), self.actions(otherwise));
                     if !otherwise.is_empty() {
-                        then.push(Op::Skip(otherwise.len()));
+                        then.push(Op::Skip(small(otherwise.len())));
                     }
-                    ops.push(Op::If(guard, then.len()));
+                    ops.push(Op::If(number, small(then.len())));
                     ops.extend(then.into_iter().chain(otherwise));
                 }
             }
@@ -180,10 +191,17 @@ impl Code {
         ops
     }
 
-    fn holds(&self, guard: Guard, values: &[i64]) -> bool {
+    fn holds(&self, guard: &Guard, values: &[i64]) -> bool {
         let is_so = |test: &Test| test.holds(values);
-        guard.tests.of(&self.tests).iter().all(is_so)
-            && guard.choices.of(&self.choices).iter().all(|one| one.of(&self.tests).iter().any(is_so))
+        if !guard.tests.of(&self.tests).iter().all(is_so) {
+            return false;
+        }
+        guard.is_plain || self.rest_holds(guard, values)
+    }
+
+    fn rest_holds(&self, guard: &Guard, values: &[i64]) -> bool {
+        let is_so = |test: &Test| test.holds(values);
+        guard.choices.of(&self.choices).iter().all(|one| one.of(&self.tests).iter().any(is_so))
             && guard.others.of(&self.others).iter().all(|cond| cond.holds(values))
     }
 }
@@ -192,15 +210,15 @@ impl Test {
     /// A condition that is a single test.
     fn of(cond: &Cond) -> Option<Test> {
         match *cond {
-            Cond::Is(var, value) => Some(Test::Is(var, value)),
-            Cond::Not(var, value) => Some(Test::Not(var, value)),
-            Cond::Less(var, value) => Some(Test::Less(var, value)),
+            Cond::Is(var, value) => Some(Test::Is(small(var.0), value)),
+            Cond::Not(var, value) => Some(Test::Not(small(var.0), value)),
+            Cond::Less(var, value) => Some(Test::Less(small(var.0), value)),
             Cond::All(_) | Cond::Any(_) => None,
         }
     }
 
     fn holds(self, values: &[i64]) -> bool {
-        let value = |var: VarId| values.get(var.0).copied().unwrap_or(0);
+        let value = |var: u32| values.get(var as usize).copied().unwrap_or(0);
         match self {
             Test::Is(var, wanted) => value(var) == wanted,
             Test::Not(var, other) => value(var) != other,
@@ -287,7 +305,7 @@ impl Wiring {
             concludes: automaton.part == Part::Control && edge.class != Class::Request && leads_to("finish"),
             is_refusal: edge.is_refusal,
             resets: edge.resets,
-            ops: (row.start, row.end),
+            ops: row,
         });
     }
 
@@ -312,32 +330,32 @@ impl Wiring {
         self.place_of(automaton, from).map_or(&[], |place| place.outgoing.of(&self.outgoing))
     }
 
-    pub fn holds(&self, guard: Guard, values: &[i64]) -> bool {
+    pub fn holds(&self, guard: &Guard, values: &[i64]) -> bool {
         self.code.holds(guard, values)
     }
 
     /// Does what an edge does. Tells before a variable gets another value which one, and the value that it had.
     pub fn carry_out(&self, way: &Way, values: &mut [i64], mut tell: impl FnMut(VarId, i64)) {
-        let (mut at, end) = way.ops;
-        while at < end {
-            let Some(op) = self.code.ops.get(at) else { return };
-            at += 1;
-            let (var, value) = match *op {
-                Op::Skip(count) => {
-                    at += count;
+        let mut ops = way.ops.of(&self.code.ops);
+        while let Some((op, rest)) = ops.split_first() {
+            ops = rest;
+            let left_out = match *op {
+                Op::Set(var, value) => {
+                    put(values, var, value, &mut tell);
                     continue;
                 }
+                Op::Add(var, by) => {
+                    let value = values.get(var as usize).copied().unwrap_or(0) + by;
+                    put(values, var, value, &mut tell);
+                    continue;
+                }
+                Op::Skip(count) => count,
                 Op::If(guard, count) => {
-                    at += if self.code.holds(guard, values) { 0 } else { count };
-                    continue;
+                    let guard = self.code.guards.get(guard as usize);
+                    if guard.is_some_and(|guard| self.code.holds(guard, values)) { 0 } else { count }
                 }
-                Op::Set(var, value) => (var, value),
-                Op::Add(var, by) => (var, values.get(var.0).copied().unwrap_or(0) + by),
             };
-            if let Some(place) = values.get_mut(var.0).filter(|place| **place != value) {
-                tell(var, *place);
-                *place = value;
-            }
+            ops = ops.get(left_out as usize..).unwrap_or(&[]);
         }
     }
 
@@ -371,6 +389,15 @@ impl Hope {
             *all.entry(place - place % 64).or_insert(0) |= 1_u64 << (place % 64);
         }
         all.into_iter().map(|(from, at)| Hope { wanted, automaton, from, at }).collect()
+    }
+}
+
+/// Gives a variable a value.
+fn put(values: &mut [i64], var: u32, value: i64, tell: &mut impl FnMut(VarId, i64)) {
+    let var = var as usize;
+    if let Some(place) = values.get_mut(var).filter(|place| **place != value) {
+        tell(VarId(var), *place);
+        *place = value;
     }
 }
 
