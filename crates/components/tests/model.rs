@@ -274,6 +274,7 @@ fn what_the_model_does_not_have_is_told_with_its_place() {
     let system = system(&model);
     for (text, words) in [
         ("never Laser.Scan.data > 3\n", "values: codels make them"),
+        ("event s = start Nav.Goto\nwhenever s, age(Laser.Scan) <= 1 s\n", "`once within d` of what is written"),
         ("event done = report Nav.Goto\nnever done\n", "reports of activities"),
         ("event s = write Laser.Scan\nwhenever s, once within [2 s, 2001 ms] running Nav.Goto\n", "so narrow a bound"),
         ("event s = write Laser.Scam\nnever s\n", "/Laser/Scam"),

@@ -159,6 +159,12 @@ impl Reader<'_> {
                 let bound = Bound { lo: *duration, ..Bound::ALL };
                 self.past(Some(holds.clone()), holds, bound, e)?
             }
+            Kind::Compare { left, right, .. } if [left, right].iter().any(|side| matches!(side.kind, Kind::Age(_))) => {
+                return Err(beyond(
+                    e,
+                    "ages inside other conditions: `once within d` of what is written says the same",
+                ));
+            }
             Kind::Compare { .. } | Kind::EventField { .. } => return Err(values(e)),
             _ if e.has_future() => {
                 return Err(beyond(
