@@ -1,6 +1,7 @@
 //! What happens in a run, one thing after the other.
 
 use std::fmt;
+use std::sync::Arc;
 
 use lapwing_diag::{SourceMap, Span};
 use lapwing_genom::model::{CodelId, Model, PortId, ServiceId, TaskId};
@@ -46,7 +47,7 @@ pub enum What {
     /// A codel was called.
     Called { component: usize, codel: CodelId },
     /// A codel returned.
-    Returned { component: usize, codel: CodelId, answer: String, took: Duration },
+    Returned { component: usize, codel: CodelId, answer: Arc<str>, took: Duration },
     /// A codel wrote to a port.
     Written { component: usize, port: PortId, name: Option<String>, value: Datum },
     /// A codel took longer than it may.

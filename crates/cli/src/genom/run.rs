@@ -59,6 +59,9 @@ pub struct RunArguments {
     /// After how long a codel that does not return counts as hung: in real time, and with --isolate always
     #[arg(long, value_name = "TIME", value_parser = crate::args::duration, default_value = "5s")]
     pub patience: Duration,
+    /// In real time, let every task call its codels on a thread of its own, also those that return at once
+    #[arg(long, requires = "real_time")]
+    pub own_threads: bool,
     /// Tell of every codel and of everything that is written to a port
     #[arg(long)]
     pub verbose: bool,
@@ -82,6 +85,7 @@ pub fn run(arguments: &RunArguments) -> Result<Exit, Complaint> {
         instances: arguments.model.instances,
         rules: Rules { readers_share: arguments.model.readers_share },
         patience: arguments.patience,
+        own_threads: arguments.own_threads,
     };
     let Loaded { model, sources, .. } = loaded;
     let model = Arc::new(model);

@@ -8,6 +8,7 @@ use lapwing_genom::model::ServiceKind;
 use lapwing_stream::Duration;
 
 use super::past::Past;
+use super::ring::Ring;
 
 /// What an atom cannot watch for, and where that is said.
 #[derive(Clone, PartialEq, Debug)]
@@ -23,6 +24,8 @@ pub(super) enum Shape {
     Always(Code),
     /// Whenever the first holds, the second does within a time: how long, whether the end is in, and whether the moment itself counts.
     Responds { asked: Code, answer: Code, within: Duration, closed: bool, at_once: bool },
+    /// Whenever something is asked, something else comes within a bound, or does not: each request by itself.
+    Each(Ring),
     /// The last message of a topic is never older.
     Fresh { topic: String, within: Duration, closed: bool },
 }
@@ -58,26 +61,40 @@ impl Reader<'_> {
             Kind::Connective(Connective::Implies, asked, rest) => (Some(asked), rest),
             _ => (None, body),
         };
-        let (within, answer): (Option<Bound>, &Expr) = match &rest.kind {
-            Kind::Eventually(bound, answer) => (Some(*bound), answer),
-            _ => (None, rest),
-        };
-        let Some(bound) = within else {
-            let condition = self.condition(rest)?;
-            return Ok(Shape::Always(match asked {
-                Some(asked) => Code::binary(BinaryOp::Or, not(self.condition(asked)?), condition),
-                None => condition,
-            }));
-        };
-        let Some(hi) = bound.hi.filter(|_| bound.lo == Duration::ZERO) else {
-            return Err(beyond(rest, "an `eventually` whose bound does not begin now, or has no end"));
-        };
-        let asked = match asked {
-            Some(asked) => self.condition(asked)?,
-            None => Code::bool(true),
-        };
+        match &rest.kind {
+            Kind::Eventually(bound, answer) => self.responds(asked, *bound, answer, rest),
+            Kind::Always(bound, body) if *bound != Bound::ALL => {
+                let asked = self.asked(asked)?;
+                let fails = not(self.condition(body)?);
+                let ring = Ring::new(asked, fails, *bound, true);
+                ring.map(Shape::Each).ok_or_else(|| beyond(rest, "an `always` whose bound has a beginning and no end"))
+            }
+            _ => {
+                let condition = self.condition(rest)?;
+                Ok(Shape::Always(match asked {
+                    Some(asked) => Code::binary(BinaryOp::Or, not(self.condition(asked)?), condition),
+                    None => condition,
+                }))
+            }
+        }
+    }
+
+    /// What asks for something: every position, where nothing is said.
+    fn asked(&mut self, asked: Option<&Expr>) -> Result<Code, Beyond> {
+        asked.map_or(Ok(Code::bool(true)), |asked| self.condition(asked))
+    }
+
+    /// `whenever asked, eventually within … answer`
+    fn responds(&mut self, asked: Option<&Expr>, bound: Bound, answer: &Expr, e: &Expr) -> Result<Shape, Beyond> {
+        let asked = self.asked(asked)?;
         let answer = self.condition(answer)?;
-        Ok(Shape::Responds { asked, answer, within: hi, closed: bound.hi_closed, at_once: bound.lo_closed })
+        let Some(hi) = bound.hi else { return Err(beyond(e, "an `eventually` without an end")) };
+        if bound.lo == Duration::ZERO {
+            let at_once = bound.lo_closed;
+            return Ok(Shape::Responds { asked, answer, within: hi, closed: bound.hi_closed, at_once });
+        }
+        let ring = Ring::new(asked, answer, bound, false);
+        ring.map(Shape::Each).ok_or_else(|| beyond(e, "an `eventually` without an end"))
     }
 
     /// `age(/topic) <= d`
@@ -142,9 +159,18 @@ impl Reader<'_> {
                 let bound = Bound { lo: *duration, ..Bound::ALL };
                 self.past(Some(holds.clone()), holds, bound, e)?
             }
+            Kind::Compare { left, right, .. } if [left, right].iter().any(|side| matches!(side.kind, Kind::Age(_))) => {
+                return Err(beyond(
+                    e,
+                    "ages inside other conditions: `once within d` of what is written says the same",
+                ));
+            }
             Kind::Compare { .. } | Kind::EventField { .. } => return Err(values(e)),
             _ if e.has_future() => {
-                return Err(beyond(e, "operators over the future but a bounded `eventually` under a `whenever`"));
+                return Err(beyond(
+                    e,
+                    "operators over the future but a bounded `eventually` or `always` under a `whenever`",
+                ));
             }
             _ => return Err(beyond(e, "expressions of this kind")),
         })
@@ -153,7 +179,7 @@ impl Reader<'_> {
     /// The condition that something has been so, and that something else has held since: it has been so within a bound before this position.
     fn past(&mut self, chain: Option<Code>, witness: Code, bound: Bound, e: &Expr) -> Result<Code, Beyond> {
         let past = Past::new(self.pasts.len() + 1, chain, witness, bound).ok_or_else(|| {
-            beyond(e, "clocks for an operator over the past whose bound has both a beginning and an end: every position would need one")
+            beyond(e, "clocks for so narrow a bound so long ago: each position in between would need one; let it begin earlier or end later")
         })?;
         let value = past.value();
         self.pasts.push(past);

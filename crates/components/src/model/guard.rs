@@ -18,6 +18,7 @@ use super::Draft;
 use super::formula::{Beyond, Reader, Shape, not, set};
 use super::letters::{Letter, letters};
 use super::past::{Past, Turn};
+use super::ring::{NEWS, OLDS, Ring};
 use crate::request::service_of;
 use crate::signals::Signals;
 use crate::watch::Mismatch;
@@ -235,12 +236,25 @@ impl Monitor<'_> {
             note: "Time has passed since the clock was set.",
         };
         let lapses = matches!(self.shape, Shape::Responds { at_once: false, .. });
-        lapses.then_some(lapse).into_iter().chain(self.reader.pasts.iter().filter_map(Past::turn)).collect()
+        let of_ring = self.ring().map(Ring::turns).unwrap_or_default();
+        lapses
+            .then_some(lapse)
+            .into_iter()
+            .chain(self.reader.pasts.iter().flat_map(Past::turns))
+            .chain(of_ring)
+            .collect()
+    }
+
+    fn ring(&self) -> Option<&Ring> {
+        match &self.shape {
+            Shape::Each(ring) => Some(ring),
+            _ => None,
+        }
     }
 
     /// Whether one of its failures can belong to the violation before.
     fn links(&self) -> bool {
-        matches!(self.shape, Shape::Responds { .. })
+        matches!(self.shape, Shape::Responds { .. } | Shape::Each(_))
     }
 
     fn declaration(&self) -> AtomType {
@@ -253,23 +267,24 @@ impl Monitor<'_> {
         let mut transitions: Vec<Transition> =
             self.ports.iter().map(|(letters, port)| transition(port, None, None, self.heard(letters))).collect();
         let eager = Some(Urgency::Eager);
-        let over = || vec![set("open", false), Stmt::assign("fell", not(Code::path("followed")))];
-        let is_news = Code::binary(BinaryOp::And, not(Code::path("linked")), self.violated());
-        transitions.push(transition("report", Some(is_news), eager, over()));
+        let [(is_news, told), (is_old, told_again)] = self.reports();
+        transitions.push(transition("report", Some(is_news), eager, told));
         if self.links() {
             ports.push(exported("again"));
-            let is_old = Code::binary(BinaryOp::And, Code::path("linked"), self.violated());
-            transitions.push(transition("again", Some(is_old), eager, over()));
+            transitions.push(transition("again", Some(is_old), eager, told_again));
         }
         for Turn { port, guard, body, .. } in self.turns() {
             ports.push(exported(&port));
             transitions.push(transition(&port, Some(guard), eager, body));
         }
-        let past = self.past_flags().map(|name| data("bool", &name));
-        let clocks = ["x".to_owned(), "y".to_owned()].into_iter().chain(self.reader.pasts.iter().map(Past::clock));
+        let past = self.flags().map(|name| data("bool", &name));
+        let numbers = self.ring().map(Ring::numbers).into_iter().flatten().map(|(name, _)| data("int", name));
+        let clocks =
+            ["x".to_owned(), "y".to_owned()].into_iter().chain(self.reader.pasts.iter().flat_map(Past::clocks));
+        let clocks = clocks.chain(self.ring().map(Ring::clocks).unwrap_or_default());
         AtomType {
             name: format!("{}_type", self.name).into(),
-            data: flags.chain(counts).chain(before).chain(past).chain(own).collect(),
+            data: flags.chain(counts).chain(before).chain(past).chain(numbers).chain(own).collect(),
             clocks: clocks.map(|name| Clock { name: name.into(), unit: TimeUnit::Nanosecond }).collect(),
             ports,
             places: vec![WATCH.into()],
@@ -279,8 +294,24 @@ impl Monitor<'_> {
         }
     }
 
-    fn past_flags(&self) -> impl Iterator<Item = String> {
-        self.reader.pasts.iter().flat_map(Past::flags)
+    /// When it tells of a violation, and of what belongs to the one before, and what it does then.
+    fn reports(&self) -> [(Code, Vec<Stmt>); 2] {
+        if self.ring().is_some() {
+            return [NEWS, OLDS].map(|name| {
+                let is_some = Code::binary(BinaryOp::Greater, Code::path(name), Code::int(0));
+                let one_less = Code::binary(BinaryOp::Subtract, Code::path(name), Code::int(1));
+                (is_some, vec![Stmt::assign(name, one_less)])
+            });
+        }
+        let over = || vec![set("open", false), Stmt::assign("fell", not(Code::path("followed")))];
+        let linked = Code::path("linked");
+        [not(linked.clone()), linked].map(|which| (Code::binary(BinaryOp::And, which, self.violated()), over()))
+    }
+
+    /// What it keeps of the past, and of requests that are open.
+    fn flags(&self) -> impl Iterator<Item = String> {
+        let of_ring = self.ring().map(Ring::flags).unwrap_or_default();
+        self.reader.pasts.iter().flat_map(Past::flags).chain(of_ring)
     }
 
     /// Before anything happens: nothing runs, and that is the first position.
@@ -289,8 +320,10 @@ impl Monitor<'_> {
         let counts = self.reader.running.iter().map(|(_, name)| Stmt::assign(name.as_str(), Code::int(0)));
         let before = self.reader.before.iter().map(|(name, _)| set(name, false));
         let own = OWN.map(|name| set(name, false));
-        let past = self.past_flags().map(|name| set(&name, false));
-        let mut all: Vec<Stmt> = flags.chain(counts).chain(before).chain(past).chain(own).collect();
+        let past = self.flags().map(|name| set(&name, false));
+        let numbers = self.ring().map(Ring::numbers).into_iter().flatten();
+        let numbers = numbers.map(|(name, value)| Stmt::assign(name, Code::int(value)));
+        let mut all: Vec<Stmt> = flags.chain(counts).chain(before).chain(past).chain(numbers).chain(own).collect();
         // Over events alone there is no position before the first of them.
         if !self.reader.running.is_empty() {
             all.extend(self.step(None));
@@ -359,6 +392,7 @@ impl Monitor<'_> {
                 all.push(set("fell", false));
                 all
             }
+            Shape::Each(ring) => ring.step(),
             Shape::Fresh { topic: own, .. } if topic == Some(own) => vec![set("open", true), zero("x")],
             Shape::Fresh { .. } => Vec::new(),
         });
@@ -369,7 +403,7 @@ impl Monitor<'_> {
     /// When it is violated.
     fn violated(&self) -> Code {
         let (within, closed) = match &self.shape {
-            Shape::Always(_) => return Code::path("open"),
+            Shape::Always(_) | Shape::Each(_) => return Code::path("open"),
             Shape::Responds { within, closed, .. } | Shape::Fresh { within, closed, .. } => (*within, *closed),
         };
         // An eager move needs a first moment, which `x > T` does not have: one nanosecond later is one.

@@ -10,6 +10,7 @@ mod formula;
 mod guard;
 mod letters;
 mod past;
+mod ring;
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -2,13 +2,12 @@
 
 use std::cmp::Reverse;
 
-use lapwing_genom::automata::Part;
-use lapwing_genom::model::{Codel as Declared, CodelId, Role};
+use lapwing_genom::model::CodelId;
 use lapwing_stream::{Duration, Time};
 
 use super::known::Known;
 use super::stage::{Job, Lane, Returned, between, guarded};
-use super::{Done, Flight, Run};
+use super::{Done, Run};
 use crate::codel::{Answer, Call, Trouble, TroubleKind};
 use crate::happening::{Failure, What};
 use crate::store::Written;
@@ -23,11 +22,11 @@ impl Run {
         self.tell(What::Called { component, codel });
         let is_logical = !self.setup.is_real;
         let at = (component, codel.0);
-        let model = self.model.clone();
-        let Some(declared) = model.components.get(component).and_then(|c| c.codels.get(codel.0)) else { return };
-        let Some(written) = self.known(at).and_then(|known| known.written.clone()) else {
+        let Some(known) = self.known(at) else { return };
+        let (wcet, is_async) = (known.wcet, known.is_async);
+        let Some(written) = known.written.clone() else {
             let answer = self.invent(at);
-            return self.takes_off(automaton, codel, declared, None, answer);
+            return self.takes_off(automaton, codel, wcet, None, answer);
         };
         let locals = match self.cell_of_automaton.get(automaton) {
             Some(cell) => self.serving.get(cell).and_then(|s| s.pending.as_ref()),
@@ -37,13 +36,14 @@ impl Run {
         let Some(mut call) = call else { return };
         if is_logical {
             return match guarded(&*written, &mut call) {
-                Ok(answer) => self.takes_off(automaton, codel, declared, Some(call), answer),
+                Ok(answer) => self.takes_off(automaton, codel, wcet, Some(call), answer),
                 Err(trouble) => self.fail(component, codel, trouble),
             };
         }
-        self.note(automaton, Flight { codel, began: self.now, held: None });
-        let lane = self.lane(automaton, component, declared);
-        self.jobs.push(Job { lane, automaton, call, codel: written });
+        self.note(automaton, codel, None);
+        self.away.push((self.now.0, automaton));
+        let lane = self.lane(automaton, component, is_async);
+        self.jobs.push(Job { lane, automaton, at, call, codel: written });
     }
 
     fn known(&self, at: (usize, usize)) -> Option<&Known> {
@@ -51,20 +51,27 @@ impl Run {
     }
 
     /// A codel has been carried out already: it takes its time, and is known to have ended then.
-    fn takes_off(&mut self, automaton: usize, codel: CodelId, declared: &Declared, call: Option<Call>, answer: Answer) {
-        let drawn = match declared.wcet_ns.map(|ns| i64::try_from(ns).unwrap_or(i64::MAX)) {
+    fn takes_off(
+        &mut self,
+        automaton: usize,
+        codel: CodelId,
+        wcet: Option<Duration>,
+        call: Option<Call>,
+        answer: Answer,
+    ) {
+        let drawn = match wcet.map(|wcet| wcet.nanos()) {
             Some(wcet) => (((self.unit() * wcet as f64) as i64) + 1).min(wcet.max(1)),
             None => UNKNOWN_TIME,
         };
         let took = Duration::from_nanos(drawn.saturating_add(call.as_ref().map_or(0, |call| call.busy.nanos())));
         self.calls += 1;
         self.returns.push(Reverse((self.now.0.saturating_add(took.nanos()), self.calls, automaton)));
-        self.note(automaton, Flight { codel, began: self.now, held: Some(Done { call, answer, took }) });
+        self.note(automaton, codel, Some(Done { call, answer, took }));
     }
 
     /// In real time: there is no thread for a codel.
     pub(super) fn stranded(&mut self, automaton: usize) {
-        let codel = self.flights.get_mut(automaton).and_then(Option::take).map(|flight| flight.codel);
+        let codel = self.land_from(automaton);
         let component = self.system.automata.get(automaton).map(|a| a.component);
         if let (Some(component), Some(codel)) = (component, codel) {
             self.fail(component, codel, Trouble::wrong("there is no thread to run it on"));
@@ -73,14 +80,20 @@ impl Run {
 
     /// In real time: when the codel that has been away for longest counts as hung.
     pub(super) fn hangs_at(&self) -> Option<i64> {
-        let away = self.flights.iter().flatten().filter(|f| f.held.is_none()).map(|f| f.began.0).min();
+        let away = self.away.iter().map(|(began, _)| *began).min();
         away.map(|began| began.saturating_add(self.setup.patience.nanos()))
     }
 
-    fn note(&mut self, automaton: usize, flight: Flight) {
-        if let Some(place) = self.flights.get_mut(automaton) {
-            *place = Some(flight);
+    fn note(&mut self, automaton: usize, codel: CodelId, done: Option<Done>) {
+        if let (Some(place), Some(held)) = (self.flights.get_mut(automaton), self.held.get_mut(automaton)) {
+            (*place, *held) = (Some(codel), done);
         }
+    }
+
+    /// A codel is not away any more.
+    fn land_from(&mut self, automaton: usize) -> Option<CodelId> {
+        self.away.retain(|(_, other)| *other != automaton);
+        self.flights.get_mut(automaton)?.take()
     }
 
     /// What a codel answers that nobody has written: it does not end its activity if it need not.
@@ -90,43 +103,41 @@ impl Run {
         all.get((lot * all.len() as f64) as usize).cloned().unwrap_or(Answer::Ok)
     }
 
-    fn lane(&self, automaton: usize, component: usize, declared: &Declared) -> Lane {
-        let is_control = self.system.automata.get(automaton).is_some_and(|a| a.part == Part::Control);
-        let task = self.cell_of_automaton.get(automaton).and_then(|cell| self.system.cells.get(cell));
-        match (is_control, declared.is_async, task) {
-            (true, ..) | (_, _, None) => Lane::Control(component),
-            (_, true, _) => Lane::Beside(automaton),
-            (_, false, Some(cell)) => Lane::Task(component, cell.task.0),
+    fn lane(&self, automaton: usize, component: usize, is_async: bool) -> Lane {
+        match self.cell_of_automaton.get(automaton).and_then(|cell| self.system.cells.get(cell)) {
+            None => Lane::Control(component),
+            Some(_) if is_async => Lane::Beside(automaton),
+            Some(cell) => Lane::Task(component, cell.task.0),
         }
     }
 
     /// In logical time: the time of a codel is over.
     pub(super) fn land(&mut self, automaton: usize) {
-        let Some(flight) = self.flights.get_mut(automaton).and_then(Option::take) else { return };
-        let Some(done) = flight.held else { return };
-        self.ends(automaton, flight.codel, done);
+        let Some(codel) = self.flights.get_mut(automaton).and_then(Option::take) else { return };
+        let Some(done) = self.held.get_mut(automaton).and_then(Option::take) else { return };
+        self.ends(automaton, codel, done);
     }
 
     /// In real time: a thread is done with a codel.
     pub(super) fn returned(&mut self, returned: Returned) {
         let Returned { automaton, call, answer, began, ended } = returned;
-        let Some(flight) = self.flights.get_mut(automaton).and_then(Option::take) else { return };
+        let Some(codel) = self.land_from(automaton) else { return };
         let Some(component) = self.system.automata.get(automaton).map(|a| a.component) else { return };
         match answer {
             Ok(answer) => {
                 let done = Done { call: Some(call), answer, took: between(began, ended) };
-                self.ends(automaton, flight.codel, done);
+                self.ends(automaton, codel, done);
             }
-            Err(trouble) => self.fail(component, flight.codel, trouble),
+            Err(trouble) => self.fail(component, codel, trouble),
         }
     }
 
     /// In real time: whether a codel has been away for too long.
     pub(super) fn hung(&mut self) {
         let (now, patience) = (self.now, self.setup.patience);
-        let late = |flight: &Flight| flight.held.is_none() && between(flight.began, now) >= patience;
-        let found = self.flights.iter().enumerate().find(|(_, f)| f.as_ref().is_some_and(late));
-        let Some((automaton, codel)) = found.and_then(|(n, f)| Some((n, f.as_ref()?.codel))) else { return };
+        let is_late = |(began, _): &&(i64, usize)| between(Time(*began), now) >= patience;
+        let Some((_, automaton)) = self.away.iter().find(is_late).copied() else { return };
+        let Some(codel) = self.flights.get(automaton).copied().flatten() else { return };
         let Some(component) = self.system.automata.get(automaton).map(|a| a.component) else { return };
         let message = format!("it has not returned for {} s", patience.seconds());
         self.fail(component, codel, Trouble { kind: TroubleKind::Hung, message });
@@ -140,15 +151,13 @@ impl Run {
     /// A codel has ended: what it has done is there from now on, its lock is given back, and its automaton goes on.
     fn ends(&mut self, automaton: usize, codel: CodelId, done: Done) {
         let Done { call, answer, took } = done;
-        let model = self.model.clone();
         let Some(component) = self.system.automata.get(automaton).map(|a| a.component) else { return };
-        let Some(declared) = model.components.get(component).and_then(|c| c.codels.get(codel.0)) else { return };
+        let at = (component, codel.0);
+        let Some(known) = self.known(at) else { return };
+        let (words, wcet, is_attribute) = (known.words(&answer), known.wcet, known.is_attribute);
         self.figures.return_of((component, codel), took);
-        let words = words(&answer);
         self.tell(What::Returned { component, codel, answer: words, took });
-        if let Some(wcet) = declared.wcet_ns.map(|ns| Duration::from_nanos(i64::try_from(ns).unwrap_or(i64::MAX)))
-            && took > wcet
-        {
+        if let Some(wcet) = wcet.filter(|wcet| took > *wcet) {
             self.figures.overrun((component, codel), took);
             self.tell(What::Overrun { component, codel, took, wcet });
         }
@@ -157,72 +166,70 @@ impl Run {
             None => self.controls.get_mut(component).and_then(|c| c.current.as_mut()),
         };
         let locals = locals.map(|pending| &mut pending.locals);
-        let at = (component, codel.0);
-        let written = match (&declared.role, call) {
-            (Role::Attribute, _) => {
-                let service = model.components.get(component).and_then(|c| c.service_of(declared.owner));
-                if let (Some(service), Some(locals)) = (service, locals) {
+        let written = match call {
+            _ if is_attribute => {
+                let component = self.model.components.get(component);
+                let owner = component.and_then(|c| c.service_of(c.codels.get(codel.0)?.owner));
+                if let (Some(service), Some(locals)) = (owner, locals) {
                     self.store.attribute(at, service, locals);
                 }
                 Vec::new()
             }
-            (_, Some(call)) => self.store.commit(at, call, locals),
-            (_, None) => self.store.rewrite(at),
+            Some(call) => self.store.commit(at, call, locals),
+            None => self.store.rewrite(at),
         };
         for Written { port, name, value } in written {
             self.tell(What::Written { component, port, name, value });
         }
-        self.answered(automaton, component, codel, declared, answer);
+        self.answered(automaton, at, &answer);
     }
 
     /// What a codel has answered says where its automaton goes.
-    fn answered(&mut self, automaton: usize, component: usize, codel: CodelId, declared: &Declared, answer: Answer) {
-        let exception = self.exception((component, codel), declared, &answer);
+    fn answered(&mut self, automaton: usize, at: (usize, usize), answer: &Answer) {
+        let Some(known) = self.known(at) else { return };
+        let branch = match answer {
+            Answer::Event(event) => known.branch(event).filter(|_| known.is_state),
+            _ => None,
+        };
+        let (is_state, thrown) = (known.is_state, known.thrown);
+        let exception = if branch.is_some() { None } else { self.exception(at, is_state, answer) };
         match self.cell_of_automaton.get(automaton) {
             Some(cell) => {
-                let Some(known) = self.known((component, codel.0)) else { return };
-                let branch = match (&answer, &exception) {
-                    (Answer::Event(event), None) => known.branch(event),
-                    _ => None,
-                };
-                let branch = branch.unwrap_or(known.thrown);
                 if let Some(serving) = self.serving.get_mut(cell) {
                     serving.thrown = exception;
                 }
-                self.complete(automaton, branch, false);
+                self.complete(automaton, branch.unwrap_or(thrown), false);
             }
             None => {
                 let refuses = exception.is_some();
-                if let Some(control) = self.controls.get_mut(component) {
-                    (control.thrown, control.last) = (exception, Some(codel));
+                if let Some(control) = self.controls.get_mut(at.0) {
+                    (control.thrown, control.last) = (exception, Some(CodelId(at.1)));
                 }
                 self.complete(automaton, 0, refuses);
             }
         }
     }
 
-    /// The exception that an answer comes to: its own, or `bad_transition` where it answered what its codel does not declare.
-    fn exception(&self, (component, codel): (usize, CodelId), declared: &Declared, answer: &Answer) -> Option<String> {
-        let model = &self.model;
-        let known = |name: &str| {
-            let component = model.components.get(component)?;
-            let own = component.service_of(declared.owner).map_or(&[][..], |s| &s.throws);
-            let of_task =
-                component.task_of(declared).and_then(|t| component.tasks.get(t.0)).map_or(&[][..], |t| &t.throws);
-            let all = own.iter().chain(of_task).chain(&component.throws);
-            let mut names = all.filter_map(|id| model.types.get(id.0)?.path.last());
-            names.find(|n| *n == name).cloned()
-        };
+    /// The exception that an answer comes to that is no event that its codel declares: its own, or `bad_transition`.
+    fn exception(&self, at: (usize, usize), is_state: bool, answer: &Answer) -> Option<String> {
         match answer {
-            Answer::Exception(name) => Some(known(name).unwrap_or_else(|| format!("bad_transition ({name})"))),
-            Answer::Event(event) if declared.is_state() => {
-                let branch = self.known((component, codel.0)).and_then(|known| known.branch(event));
-                branch.is_none().then(|| format!("bad_transition ({event})"))
+            Answer::Exception(name) => {
+                Some(self.thrown(at, name).unwrap_or_else(|| format!("bad_transition ({name})")))
             }
-            Answer::Ok if declared.is_state() => Some("bad_transition (ok)".to_owned()),
             Answer::Event(event) => Some(format!("bad_transition ({event})")),
-            Answer::Ok => None,
+            Answer::Ok => is_state.then(|| "bad_transition (ok)".to_owned()),
         }
+    }
+
+    /// An exception that the service of a codel, its task or its component declares.
+    fn thrown(&self, at: (usize, usize), name: &str) -> Option<String> {
+        let component = self.model.components.get(at.0)?;
+        let declared = component.codels.get(at.1)?;
+        let own = component.service_of(declared.owner).map_or(&[][..], |s| &s.throws);
+        let of_task = component.task_of(declared).and_then(|t| component.tasks.get(t.0)).map_or(&[][..], |t| &t.throws);
+        let all = own.iter().chain(of_task).chain(&component.throws);
+        let mut names = all.filter_map(|id| self.model.types.get(id.0)?.path.last());
+        names.find(|n| *n == name).cloned()
     }
 
     fn complete(&mut self, automaton: usize, branch: usize, refuses: bool) {
@@ -234,13 +241,5 @@ impl Run {
     /// The time of a turn's beginning after that of its period.
     pub(super) fn delay(&self, since: Time) -> Duration {
         between(since, self.now)
-    }
-}
-
-fn words(answer: &Answer) -> String {
-    match answer {
-        Answer::Ok => "ok".to_owned(),
-        Answer::Event(event) => event.clone(),
-        Answer::Exception(name) => format!("exception {name}"),
     }
 }

@@ -6,6 +6,7 @@
 //! their tasks.
 
 mod calls;
+mod crew;
 mod known;
 mod moves;
 mod stage;
@@ -53,6 +54,9 @@ pub struct Setup {
     pub rules: Rules,
     /// In real time, how long a codel may be away before it counts as hung.
     pub patience: Duration,
+    /// In real time, whether every task calls its codels on a thread of its own, also those that return at once: for codels that keep something by
+    /// thread.
+    pub own_threads: bool,
 }
 
 impl Default for Setup {
@@ -64,6 +68,7 @@ impl Default for Setup {
             instances: 2,
             rules: Rules::default(),
             patience: Duration::from_nanos(5_000_000_000),
+            own_threads: false,
         }
     }
 }
@@ -87,14 +92,6 @@ struct Serving {
     outcome: Option<Outcome>,
     /// What its codel has thrown.
     thrown: Option<String>,
-}
-
-/// A codel that is being run.
-struct Flight {
-    codel: CodelId,
-    began: Time,
-    /// In logical time: what it has done, which is known to nobody before it ends.
-    held: Option<Done>,
 }
 
 /// What a codel has done.
@@ -124,8 +121,12 @@ pub struct Run {
     requests: u64,
     /// How many codels have been called in logical time: those that are due at once return in this order.
     calls: u64,
-    /// By automaton.
-    flights: Vec<Option<Flight>>,
+    /// By automaton: the codel that is being run.
+    flights: Vec<Option<CodelId>>,
+    /// By automaton, in logical time: what its codel has done, which is known to nobody before it ends.
+    held: Vec<Option<Done>>,
+    /// In real time: since when codels are away, and of which automata.
+    away: Vec<(i64, usize)>,
     returns: BinaryHeap<Due>,
     /// By the number of the cell.
     serving: Vec<Serving>,
@@ -219,6 +220,8 @@ impl Run {
             requests: 0,
             calls: 0,
             flights: system.automata.iter().map(|_| None).collect(),
+            held: system.automata.iter().map(|_| None).collect(),
+            away: Vec::new(),
             returns: BinaryHeap::new(),
             serving: vec![Serving::default(); system.cells.len()],
             cell_of_automaton: Table::new(system.automata.len(), cells().map(|(n, c)| (c.automaton, n))),

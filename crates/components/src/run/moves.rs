@@ -1,12 +1,12 @@
 //! What the moves of the automata mean: periods begin, requests are taken, activities start, stop, end and are reported.
 
-use lapwing_genom::automata::{Class, ETHER, LocId, Part, status};
+use lapwing_genom::automata::{ETHER, LocId, status};
 use lapwing_genom::model::ServiceKind;
 use lapwing_stream::Time;
 
 use super::{Pending, Run, TOLERANCE_NS};
 use crate::happening::{Outcome, What, Whose};
-use crate::machine::{Change, Move, Offer};
+use crate::machine::{Change, Move, Offer, Way};
 
 impl Run {
     pub(super) fn handle(&mut self, next: Move) {
@@ -23,7 +23,7 @@ impl Run {
         let Some(number) = self.task_of_timer.get(automaton) else { return };
         self.figures.moves += 1;
         // The last edge of a timer is its period; those before only wait until it may begin.
-        let is_period = self.machine.edge(automaton, edge).is_some_and(|e| e.from == e.to);
+        let is_period = self.machine.way(automaton, edge).is_some_and(|way| way.from == way.to);
         let Some(task) = self.system.tasks.get(number).copied().filter(|_| is_period) else { return };
         let changes = self.machine.take_changes();
         let is_missed = changes.is_empty();
@@ -39,15 +39,9 @@ impl Run {
 
     fn taken(&mut self, automaton: usize, number: usize) {
         self.figures.moves += 1;
-        let Some(declared) = self.system.automata.get(automaton) else { return };
-        let Some(edge) = declared.edges.get(number) else { return };
-        let (component, from, to) = (declared.component, edge.from, edge.to);
-        let (is_activity, is_refusal) = (declared.part == Part::Activity, edge.is_refusal);
-        let is_turn = declared.part == Part::Manager && from != to && from == LocId(0);
-        let concludes = declared.part == Part::Control
-            && edge.class != Class::Request
-            && declared.locations.get(to.0).is_some_and(|l| l.name == "finish");
-        if is_turn {
+        let Some(way) = self.machine.way(automaton, number) else { return };
+        let Way { component, from, to, is_activity, .. } = way;
+        if way.is_turn {
             self.turn(automaton);
         }
         if is_activity {
@@ -59,8 +53,8 @@ impl Run {
         if is_activity && to == ETHER && from != ETHER {
             self.ended(automaton);
         }
-        if concludes {
-            self.concluded(component, is_refusal);
+        if way.concludes {
+            self.concluded(component, way.is_refusal);
         }
     }
 

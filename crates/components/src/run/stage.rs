@@ -1,25 +1,25 @@
 //! A run in real time: a thread for each task, each control task and each activity with `async` codels, and one that waits for all else.
 //!
 //! There is no thread of the engine. Whoever comes upon something that is due, or comes back from a codel, moves the automata on while nobody else does, and
-//! tells the observer what happens; then it calls the codels that have become its own, outside of the lock. A task's thread wakes by itself when its
-//! period begins. So a turn of a task is one thread that wakes once, as if it had been written by hand, and only what one task sets going in
-//! another wakes another thread.
+//! tells the observer what happens; then it calls codels, outside of the lock: its own, and those that return at once whosever they are. So where periods
+//! begin one thread wakes once, and only what takes its time, or sets something going that does, has a thread of its own woken ([`super::crew`]).
 //!
 //! ```text
-//! Task(C, t)   sleeps ─period─▶ ┤automata, observer├ codel ┤automata, observer├ sleeps
+//! Task(C, t)   sleeps ─period─▶ ┤automata, observer├ codel ┤automata, observer├ codel ┤automata, observer├ sleeps
 //! carry_out    sleeps ─request, deadline of a monitor, the end, a codel that hangs─▶ ┤automata, observer├ sleeps
 //! ```
 
-use std::collections::{BTreeMap, VecDeque};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::mpsc::{self, Receiver, Sender};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicI64, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Instant;
 
 use lapwing_stream::{Duration, Time};
 
 use super::Run;
+use super::crew::{Crew, Errand, GRACE_NS};
 use crate::codel::{Answer, Call, Codel, Trouble, TroubleKind};
 use crate::happening::Happening;
 use crate::request::Request;
@@ -63,6 +63,8 @@ pub(super) enum Word {
 pub(super) struct Job {
     pub lane: Lane,
     pub automaton: usize,
+    /// Its component and its number there.
+    pub at: (usize, usize),
     pub call: Call,
     pub codel: Arc<dyn Codel>,
 }
@@ -78,9 +80,6 @@ pub(super) struct Returned {
 
 /// How long after the beginning of a period another thread looks after it that is busy itself.
 const SLACK_NS: i64 = 5_000_000;
-
-/// A thread that wakes by itself so soon is not woken.
-const SOON_NS: i64 = 100_000;
 
 impl Run {
     /// Carries it out to its end: in logical time here, in real time by the threads of its tasks as well. Gives itself and the observer back.
@@ -103,6 +102,8 @@ impl Run {
 struct Shared<O> {
     origin: Instant,
     mouth: Sender<Word>,
+    /// When the thread that waits for all else has something to look at: others have seen to what it was to wake for.
+    looks_from: AtomicI64,
     /// Nothing is there when the run is over.
     stage: Mutex<Option<Stage<O>>>,
 }
@@ -111,23 +112,17 @@ struct Shared<O> {
 struct Stage<O> {
     run: Run,
     observer: O,
-    players: BTreeMap<Lane, Player>,
-    /// When the thread that waits for all else looks again.
+    crew: Crew,
+    /// When the thread that waits for all else wakes.
     looks_at: i64,
-}
-
-/// A thread that calls codels.
-struct Player {
-    jobs: VecDeque<Job>,
-    wakes: Arc<Condvar>,
-    /// While it sleeps: until when.
-    sleeps_until: Option<i64>,
 }
 
 impl<O: Observer + 'static> Shared<O> {
     fn new(run: Run, observer: O, mouth: Sender<Word>) -> Arc<Shared<O>> {
-        let stage = Stage { run, observer, players: BTreeMap::new(), looks_at: i64::MAX };
-        Arc::new(Shared { origin: Instant::now(), mouth, stage: Mutex::new(Some(stage)) })
+        let crew = Crew::new(!run.setup.own_threads, run.codels.iter().map(Vec::len));
+        let stage = Stage { run, observer, crew, looks_at: i64::MAX };
+        let looks_from = AtomicI64::new(i64::MIN);
+        Arc::new(Shared { origin: Instant::now(), mouth, looks_from, stage: Mutex::new(Some(stage)) })
     }
 
     fn now(&self) -> Time {
@@ -157,21 +152,37 @@ impl<O: Observer + 'static> Shared<O> {
                 None => stage.run.hung(),
             }
             self.go_on(&mut stage);
+            stage.crew.scatter(stage.run.now.0);
             if stage.run.is_over {
                 stage.dismiss();
                 return (stage.run, stage.observer);
             }
             stage.looks_at = stage.looks();
             let until = stage.looks_at;
+            self.looks_from.store(until, Ordering::Relaxed);
             *place = Some(stage);
             drop(place);
-            word = match until {
-                i64::MAX => words.recv().ok(),
-                until => words.recv_timeout(wait(self.now(), until)).map(Some).unwrap_or_else(|e| match e {
-                    mpsc::RecvTimeoutError::Timeout => None,
-                    mpsc::RecvTimeoutError::Disconnected => Some(Word::Look),
-                }),
-            };
+            word = self.listen(words, until);
+        }
+    }
+
+    /// What is said before it is time to look; `None` where nothing is.
+    fn listen(&self, words: &Receiver<Word>, mut until: i64) -> Option<Word> {
+        loop {
+            if until == i64::MAX {
+                return words.recv().ok();
+            }
+            match words.recv_timeout(wait(self.now(), until)) {
+                Ok(word) => return Some(word),
+                Err(RecvTimeoutError::Disconnected) => return Some(Word::Look),
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+            // PERF: without a look at the stage, which is not in this processor's cache (`examples/navigation/examples/speed.rs`).
+            let later = self.looks_from.load(Ordering::Relaxed);
+            if later <= self.now().0 {
+                return None;
+            }
+            until = later;
         }
     }
 
@@ -184,22 +195,18 @@ impl<O: Observer + 'static> Shared<O> {
             stage.run.now = self.now().max(stage.run.now);
             self.go_on(stage);
             stage.see_to_it_that_somebody_looks(&self.mouth);
-            let is_over = stage.run.is_over;
-            let Some(player) = stage.players.get_mut(&lane) else { return };
-            if let Some(job) = player.jobs.pop_front().filter(|_| !is_over) {
+            if let Some((job, errand)) = stage.next(lane) {
                 drop(place);
                 let returned = job.carry_out(|| self.now());
                 place = self.lock();
                 let Some(stage) = place.as_mut() else { return };
-                stage.run.now = self.now().max(stage.run.now);
+                stage.run.now = returned.ended.max(stage.run.now);
+                stage.crew.note(lane, errand, returned.ended.0.saturating_sub(returned.began.0), stage.run.now.0);
                 stage.run.returned(returned);
                 continue;
             }
-            let wakes = player.wakes.clone();
-            let until = stage.run.period_of(lane).filter(|_| !is_over).unwrap_or(i64::MAX);
-            if let Some(player) = stage.players.get_mut(&lane) {
-                player.sleeps_until = Some(until);
-            }
+            let (Some(until), Some(wakes)) = (stage.sleep(lane), stage.crew.wakes(lane)) else { return };
+            self.looks_from.store(stage.looks(), Ordering::Relaxed);
             place = match until {
                 i64::MAX => wakes.wait(place).unwrap_or_else(PoisonError::into_inner),
                 until => {
@@ -207,8 +214,8 @@ impl<O: Observer + 'static> Shared<O> {
                     wakes.wait_timeout(place, wait).unwrap_or_else(PoisonError::into_inner).0
                 }
             };
-            if let Some(player) = place.as_mut().and_then(|stage| stage.players.get_mut(&lane)) {
-                player.sleeps_until = None;
+            if let Some(stage) = place.as_mut() {
+                stage.crew.rise(lane);
             }
         }
     }
@@ -223,43 +230,75 @@ impl<O: Observer + 'static> Shared<O> {
                 return;
             }
             for job in std::mem::take(&mut stage.run.jobs) {
-                self.hand_over(stage, job);
+                self.assign(stage, job);
             }
         }
     }
 
-    fn hand_over(self: &Arc<Self>, stage: &mut Stage<O>, job: Job) {
+    /// Has a codel called; its task gets a thread where it has none.
+    fn assign(self: &Arc<Self>, stage: &mut Stage<O>, job: Job) {
         let lane = job.lane;
-        if !stage.players.contains_key(&lane) {
-            let player = Player { jobs: VecDeque::new(), wakes: Arc::default(), sleeps_until: None };
+        if !stage.crew.has(lane) {
             let shared = self.clone();
             let named = thread::Builder::new().name(format!("{lane:?}"));
             if named.spawn(move || shared.play(lane)).is_err() {
                 return stage.run.stranded(job.automaton);
             }
-            stage.players.insert(lane, player);
+            stage.crew.add(lane);
         }
-        let soon = stage.run.now.0.saturating_add(SOON_NS);
-        let Some(player) = stage.players.get_mut(&lane) else { return };
-        player.jobs.push_back(job);
-        if player.sleeps_until.is_some_and(|until| until > soon) {
-            player.wakes.notify_one();
-        }
+        stage.crew.assign(job, stage.run.now.0);
     }
 }
 
 impl<O> Stage<O> {
     /// It is over: who sleeps wakes, finds nothing and goes.
     fn dismiss(&self) {
-        self.players.values().for_each(|player| player.wakes.notify_all());
+        self.crew.dismiss();
+    }
+
+    /// What a thread calls next.
+    fn next(&mut self, lane: Lane) -> Option<(Job, Errand)> {
+        if self.run.is_over {
+            return None;
+        }
+        let now = self.run.now.0;
+        let (job, errand) = self.crew.next(lane, now)?;
+        if !errand.is_attended {
+            // It may be away for long.
+            self.crew.scatter(now);
+            self.crew.appoint(self.common_period(), now);
+        }
+        Some((job, errand))
+    }
+
+    /// A thread goes to sleep. Gives when it wakes if nobody wakes it.
+    fn sleep(&mut self, lane: Lane) -> Option<i64> {
+        if self.run.is_over {
+            return Some(i64::MAX);
+        }
+        let common = self.common_period();
+        let until = self.crew.sleep(lane, self.run.period_of(lane).unwrap_or(i64::MAX), common);
+        self.crew.appoint(common, self.run.now.0);
+        Some(until)
+    }
+
+    /// When the first period begins of those whose threads do not wake by themselves.
+    fn common_period(&self) -> i64 {
+        let shares = |automaton| self.run.lane_of_timer(automaton).is_some_and(|lane| self.crew.shares(lane));
+        let common = self.run.machine.timers().filter(|(_, automaton)| shares(*automaton));
+        common.map(|(at, _)| at.0).min().unwrap_or(i64::MAX)
     }
 
     /// When the thread that waits for all else has to look: at what others want, at codels that hang, and at periods that begin while the thread of
     /// their task is not there, or away.
     fn looks(&self) -> i64 {
         let period = |(at, automaton): (Time, usize)| {
-            let has_thread = self.run.lane_of_timer(automaton).is_some_and(|lane| self.players.contains_key(&lane));
-            at.0.saturating_add(if has_thread { SLACK_NS } else { 0 })
+            let slack = match self.run.lane_of_timer(automaton).filter(|lane| self.crew.has(*lane)) {
+                Some(lane) if self.crew.shares(lane) => GRACE_NS,
+                Some(_) => SLACK_NS,
+                None => 0,
+            };
+            at.0.saturating_add(slack)
         };
         let periods = self.run.machine.timers().map(period).min();
         [periods, self.run.next_due_beside(), self.run.hangs_at()].into_iter().flatten().min().unwrap_or(i64::MAX)
@@ -267,7 +306,7 @@ impl<O> Stage<O> {
 
     /// Has the thread that waits for all else look again where it would come too late.
     fn see_to_it_that_somebody_looks(&mut self, mouth: &Sender<Word>) {
-        let wanted = self.run.next_due_beside().unwrap_or(i64::MAX);
+        let wanted = self.run.next_due_beside().unwrap_or(i64::MAX).min(self.crew.forgotten_at());
         let patience = self.run.now.0.saturating_add(self.run.setup.patience.nanos());
         if self.run.is_over || wanted.min(patience) < self.looks_at {
             self.looks_at = wanted.min(patience);
