@@ -199,7 +199,7 @@ fn truth_of(value: &Val) -> Expr {
 }
 
 /// A comparison with a margin; equal infinities are equal, NaN is only ever unequal.
-fn compare(op: Compare, a: Expr, b: Expr, margin: Option<Expr>) -> Expr {
+pub(crate) fn compare(op: Compare, a: Expr, b: Expr, margin: Option<Expr>) -> Expr {
     let Some(m) = margin.filter(|m| *m != Expr::Float(0.0)) else {
         return match op {
             Compare::Lt => a.lt(b),

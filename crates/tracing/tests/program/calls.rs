@@ -74,6 +74,25 @@ property pairs: whenever grabs, next grabbed
         same_as_checked(&report, text, lines);
     }
 
+    fn an_early_end_by_a_question_mark_is_no_return_with_a_result() {
+        let text = "event asks = call Kicker::find_ball
+event found = return Kicker::find_ball when result > -100
+event failed = return Kicker::find_ball when error == \"no ball\"
+property pairs over (asks, found): whenever asks, next found
+property told over (asks, failed): whenever asks, next asks
+";
+        let monitor = watched(text);
+        let _ = kicker::find_ball(Some(1.0));
+        let _ = kicker::find_ball(None);
+        let _ = kicker::find_ball(Some(2.0));
+        let report = monitor.finish();
+        let lines = "{\"t\": 0, \"event\": \"asks\"}\n{\"t\": 1, \"event\": \"found\"}\n{\"t\": 2, \"event\": \"asks\"}\n\
+                     {\"t\": 3, \"event\": \"failed\"}\n{\"t\": 4, \"event\": \"asks\"}\n{\"t\": 5, \"event\": \"found\"}\n";
+        assert_eq!((verdict(&report, "pairs"), verdict(&report, "told")), ("violated", "violated"));
+        assert_eq!(said(&report, "pairs").obligations.failed, 1);
+        same_as_checked(&report, text, lines);
+    }
+
     fn the_end_of_a_function_that_records_no_result_is_its_return() {
         let text = "event plays = call Kicker::play
 event played = return Kicker::play
