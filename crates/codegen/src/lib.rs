@@ -27,8 +27,10 @@ mod code;
 mod fold;
 mod prune;
 
+mod frequency;
 mod past;
 mod positions;
+mod ring;
 mod segments;
 mod value;
 

@@ -126,10 +126,6 @@ impl Refusals<'_> {
                 return;
             }
             Kind::Param(_) => self.add(e.span, "the value of an instance is not known beforehand", ""),
-            Kind::Frequency(..) => {
-                let message = "`frequency` counts the messages of a window, which generated code does not keep";
-                self.add(e.span, message, "ask for the age, or count at the source and declare that as a signal");
-            }
             Kind::Event(event) | Kind::EventField { event, .. } => self.event(*event, e.span),
             Kind::InState { machine, .. } => self.machine(*machine),
             _ => {}

@@ -253,7 +253,6 @@ fn what_would_need_more_than_one_fixed_size_is_refused_at_its_place() {
     assert_eq!(of(&format!("{ranges}never min(r) < x\nnever any(r, v => v > x)\n")), ["any(r, v => v > x)"]);
     let lookup = "lookup(joints.name, joints.position, \"hip\")";
     assert_eq!(of(&format!("{ranges}never {lookup} > 1\n")), [lookup]);
-    assert_eq!(of("decl x /x Float64.data\nalways frequency(/x, 1 s) > 5\nnever x > 2\n"), ["frequency(/x, 1 s)"]);
     assert_eq!(
         of("event kick\nfor each r in (a, b): never r > 1\nfor each k of kick.robot: eventually kick\n").len(),
         1

@@ -90,6 +90,7 @@ impl Instances {
         };
         if !plan.at.slices.is_empty() {
             new.keys.add_template();
+            new.lies_until(0, NOW);
             let mut bytes = Box::default();
             // Where nobody lies still packing would cost time at every instant.
             let may_lie = plan.at.alphabet.is_some() || new.still.is_some();

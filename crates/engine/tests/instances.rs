@@ -212,7 +212,7 @@ fn instances_that_read_signals_take_as_little() {
 }
 
 /// Formulas over two events with a field and two signals; of some no instance ever lies still.
-const FORMULAS_WITH_SIGNALS: [&str; 10] = [
+const FORMULAS_WITH_SIGNALS: [&str; 11] = [
     "always (play implies battery > 4)",
     "always (battery > 1 or once within 3 s ready)",
     "always (ready.power < 5 implies previously (play or stopped))",
@@ -223,6 +223,7 @@ const FORMULAS_WITH_SIGNALS: [&str; 10] = [
     "after_until ready and ready.power > 4, play, always (battery > 0 or ready.word != \"b\")",
     "always (@{ready.power, -2} > 3 implies battery > 2 or stopped)",
     "always (becomes (not ready) implies battery != 7 since within 5 s play)",
+    "always 2 > 1",
 ];
 
 /// The outcomes of a text where signals come between what robots do; where one robot is named, what the others do are instants at which nothing comes.
@@ -231,6 +232,10 @@ fn outcomes_with_signals(text: &str, only: Option<u32>) -> Vec<Outcome> {
     let mut state = State::new(&many.program);
     let mut next = support::chance(11);
     for (n, (at, name, robot, values)) in chances().into_iter().enumerate() {
+        // What robots do begins later than what signals do.
+        for early in 0..if n == 0 { 3 } else { 0 } {
+            many.row(&mut state, at - 3 + early, [Value::Missing, Value::Missing]);
+        }
         if n < 2 || next() % 5 == 0 {
             let kept = |next: &mut dyn FnMut() -> u64, value: Value| {
                 if n > 2 && next() % 2 == 0 { Value::Missing } else { value }
