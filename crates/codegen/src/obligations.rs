@@ -129,7 +129,13 @@ impl<'a> Obligations<'a> {
         let mut inside = Block::default();
         match &self.how {
             How::AtOnce(formula) => {
-                inside.when(self.is_obliged(), |b| self.judge(b, bit(*formula)));
+                inside.when(self.is_obliged(), |b| {
+                    b.branch(
+                        bit(*formula),
+                        |b| self.decide(b, true, 1.into(), now.clone(), now.clone()),
+                        |b| self.decide(b, false, 1.into(), now.clone(), now.clone()),
+                    );
+                });
             }
             How::Counted(automaton) => {
                 self.progress_counted(&mut inside, automaton);
@@ -141,28 +147,6 @@ impl<'a> Obligations<'a> {
             }
         }
         b.when(self.segments.active(context) & !is_spoilt, |b| b.0.extend(inside.0));
-    }
-
-    /// An obligation that ends where it begins.
-    ///
-    /// Nobody can tell beforehand how it ends, so both counters are added to without a branch; and since nothing fails earlier than now, it is only as
-    /// long as nothing has failed that the first failure is of interest.
-    fn judge(&self, b: &mut Block, holds: Expr) {
-        let now = local("now");
-        if !self.gates.is_empty() {
-            return b.branch(
-                holds,
-                |b| self.decide(b, true, 1.into(), now.clone(), now.clone()),
-                |b| self.decide(b, false, 1.into(), now.clone(), now.clone()),
-            );
-        }
-        let of = |what: &str| elem(what, self.property());
-        b.when(of("failed").eq(0) & !holds.clone(), |b| {
-            b.set(&of("first_failed"), now.clone());
-            b.set(&of("first_began"), now.clone());
-        });
-        b.add(&of("met"), holds.clone().cast(Ty::U64));
-        b.add(&of("failed"), (!holds).cast(Ty::U64));
     }
 
     fn is_obliged(&self) -> Expr {

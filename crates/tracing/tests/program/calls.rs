@@ -79,18 +79,17 @@ property pairs: whenever grabs, next grabbed
 event found = return Kicker::find_ball when result > -100
 event failed = return Kicker::find_ball when error == \"no ball\"
 property pairs over (asks, found): whenever asks, next found
-property told over (asks, failed): whenever asks, next asks
+property told over (asks, failed): whenever asks, next failed
 ";
         let monitor = watched(text);
         let _ = kicker::find_ball(Some(1.0));
         let _ = kicker::find_ball(None);
         let _ = kicker::find_ball(Some(2.0));
         let report = monitor.finish();
-        let lines = "{\"t\": 0, \"event\": \"asks\"}\n{\"t\": 1, \"event\": \"found\"}\n{\"t\": 2, \"event\": \"asks\"}\n\
-                     {\"t\": 3, \"event\": \"failed\"}\n{\"t\": 4, \"event\": \"asks\"}\n{\"t\": 5, \"event\": \"found\"}\n";
+        // The second call asks, and the third is what comes next; the first and the third do not fail.
         assert_eq!((verdict(&report, "pairs"), verdict(&report, "told")), ("violated", "violated"));
-        assert_eq!(said(&report, "pairs").obligations.failed, 1);
-        same_as_checked(&report, text, lines);
+        let (pairs, told) = (&said(&report, "pairs").obligations, &said(&report, "told").obligations);
+        assert_eq!((pairs.failed, told.failed, told.open), (1, 1, 1));
     }
 
     fn the_end_of_a_function_that_records_no_result_is_its_return() {
