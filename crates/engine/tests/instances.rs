@@ -236,11 +236,11 @@ fn outcomes_with_signals(text: &str, only: Option<u32>) -> Vec<Outcome> {
         for early in 0..if n == 0 { 3 } else { 0 } {
             many.row(&mut state, at - 3 + early, [Value::Missing, Value::Missing]);
         }
-        if n < 2 || next() % 5 == 0 {
+        if n < 2 || next().is_multiple_of(5) {
             let kept = |next: &mut dyn FnMut() -> u64, value: Value| {
-                if n > 2 && next() % 2 == 0 { Value::Missing } else { value }
+                if n > 2 && next().is_multiple_of(2) { Value::Missing } else { value }
             };
-            let (battery, stopped) = ((next() % 9) as f64, next() % 3 == 0);
+            let (battery, stopped) = ((next() % 9) as f64, next().is_multiple_of(3));
             let cells = [kept(&mut next, battery.into()), kept(&mut next, stopped.into())];
             many.row(&mut state, at, cells);
         }
