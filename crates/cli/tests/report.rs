@@ -91,3 +91,24 @@ fn a_page_that_cannot_be_written_is_known_before_anything_is_checked() {
     assert!(run.stderr.contains("not/there/page.html: the report cannot be written"), "{}", run.stderr);
     assert!(run.stderr.contains("the folder is not there"), "{}", run.stderr);
 }
+
+#[test]
+fn a_page_draws_the_diagram_with_the_moves_that_it_does_not_have() {
+    let spec = "machine gear {\n    initial low\n    state low when speed < 1\n    state high when speed >= 1\n    low -> high\n}\n";
+    let folder = Folder::new(&[
+        ("a.rv", spec),
+        ("bad.csv", "time,speed\n0,0\n1,2\n2,0\n"),
+        ("good.csv", "time,speed\n0,0\n1,2\n"),
+    ]);
+    let run = folder.lapwing("check a.rv bad.csv --report bad.html -q");
+    assert_eq!(run.code, 1);
+    let page = folder.read("bad.html");
+    assert!(
+        page.contains("aria-label=\"State diagram of gear: low to high (speed &gt;= 1); high to low (illegal, once)\"")
+    );
+    assert!(page.contains("<li><bdi>high</bdi> → <bdi>low</bdi>: illegal, once</li>"));
+    let run = folder.lapwing("check a.rv good.csv --report good.html -q");
+    assert_eq!(run.code, 0);
+    let page = folder.read("good.html");
+    assert!(page.contains("No move was seen that it does not have.") && !page.contains("<g class=\"wrong\">"));
+}

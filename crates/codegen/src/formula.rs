@@ -46,7 +46,7 @@ pub(crate) enum Formula {
 pub(crate) enum Beyond {
     /// A scope that opens or closes on a formula about the future.
     OpensLate,
-    /// A bound that does not begin where the obligation begins.
+    /// Bounds that begin at ever more positions, of which none tells more than the others.
     LateBound,
     /// An automaton of more states or moves than are worth writing down.
     TooLarge,
@@ -156,23 +156,5 @@ impl Table {
             Term::While(x, f) => Formula::Each { x: leaf(x)?, y: None, body: refs[f] },
         };
         Ok(self.add(formula))
-    }
-
-    /// Whether all bounds begin where the obligation begins: none lies below another operator of the future.
-    pub fn is_bounded_at_begin(&self, root: Ref) -> bool {
-        self.bounds(root, true)
-    }
-
-    fn bounds(&self, of: Ref, at_begin: bool) -> bool {
-        match self.get(of.id) {
-            Formula::State(_) => true,
-            Formula::And(l, r) => self.bounds(l, at_begin) && self.bounds(r, at_begin),
-            Formula::Eventually(bound, f) => (at_begin || bound == Bound::ALL) && self.bounds(f, false),
-            Formula::Until(bound, l, r) => {
-                (at_begin || bound == Bound::ALL) && self.bounds(l, false) && self.bounds(r, false)
-            }
-            Formula::Next(f) | Formula::After(_, f) => self.bounds(f, false),
-            Formula::UpTo { body, .. } | Formula::Each { body, .. } => self.bounds(body, false),
-        }
     }
 }

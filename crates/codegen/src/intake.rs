@@ -76,6 +76,7 @@ impl Writer<'_> {
             self.unit.field(&has, Ty::Bool, false.into(), "Whether it was heard.");
         }
         self.age_fields();
+        self.frequency_fields();
     }
 
     /// The events that machines emit.
@@ -118,6 +119,7 @@ impl Writer<'_> {
                 From::Topic(topic) => b.when(value, |b| {
                     let name = self.scene.topic_field(topic);
                     self.hear(b, Read::Topic(topic));
+                    self.count_message(b, topic);
                     b.set(&field(&name), true);
                     b.set(&field(format!("{name}_known")), true);
                 }),

@@ -1,5 +1,6 @@
 //! What a program that has the monitor in it sees: members, properties, texts, and what is said of them at the top of the file.
 
+use crate::arrays::Array;
 use crate::code::Ty;
 
 /// What a generated monitor takes and says.
@@ -13,6 +14,8 @@ pub struct Interface {
     pub properties: Vec<Property>,
     /// The members of what comes with a step.
     pub members: Vec<Member>,
+    /// The arrays: the members that are asked of one are set by a function that takes it.
+    pub arrays: Vec<Array>,
     /// The texts that inputs are compared with; the code of each is its place here plus one.
     pub texts: Vec<Text>,
     /// How much of anything is queued whose number the specification does not bound.

@@ -2,12 +2,12 @@
 //!
 //! The way from a checked specification to text:
 //!
-//! 1. What cannot be generated is refused, at its place (`refuse`).
+//! 1. What is asked of arrays becomes inputs (`arrays`), and what cannot be generated is refused, at its place (`refuse`).
 //! 2. The compiler lowers the specification to the engine's program, as for a check. What kind of value each signal has is worked out
 //!    (`kinds`), and what to call it (`scene`).
 //! 3. Expressions (`value`), operators about the past (`past`), scopes (`segments`) and machines (`machines`) become statements of a small
 //!    imperative language (`code`).
-//! 4. Formulas about the future become automata (`formula`, `residual`, `automaton`), and what waits in their states is counted, or queued
+//! 4. Formulas about the future become automata (`formula`, `residual`, `clock`, `automaton`), and what waits in their states is counted, or queued
 //!    where bounds run (`obligations`, `queue`).
 //! 5. `assemble` puts it together in the order in which the engine does things, from what comes (`intake`), and when nothing comes (`flips`), to what is said (`verdict`); `fold` works out what is constant, and `prune` drops
 //!    what nobody reads.
@@ -17,6 +17,7 @@
 
 mod interface;
 
+mod arrays;
 mod refuse;
 
 mod kinds;
@@ -26,12 +27,15 @@ mod code;
 mod fold;
 mod prune;
 
+mod frequency;
 mod past;
 mod positions;
+mod ring;
 mod segments;
 mod value;
 
 mod automaton;
+mod clock;
 mod formula;
 mod residual;
 
@@ -46,6 +50,7 @@ mod verdict;
 
 mod print;
 
+pub use arrays::Array;
 pub use interface::{From, Interface, Kind, Member, Property, Text};
 
 use lapwing_check::checked::{Body, Spec};
@@ -54,7 +59,7 @@ use lapwing_diag::{Diagnostic, Span};
 
 use formula::Beyond;
 use interface::{Names, identifier};
-use refuse::{refusal, refused};
+use refuse::{late_bound, refusal, refused};
 use scene::{Scene, has_odd_comparisons};
 
 /// A language.
@@ -93,12 +98,15 @@ pub const CAPACITY: usize = 64;
 
 /// Why properties cannot be generated, as far as the text of each tells, with their names. An empty list says that one can.
 pub fn refusals(spec: &Spec) -> Vec<(String, Vec<Diagnostic>)> {
-    spec.properties.iter().map(|p| (p.name.clone(), refused(spec, p))).collect()
+    let mut unfolded = spec.clone();
+    arrays::unfold(&mut unfolded);
+    unfolded.properties.iter().map(|p| (p.name.clone(), refused(&unfolded, p))).collect()
 }
 
 /// Generates the monitors of a specification that was checked without errors. `title` is what reports call it.
 pub fn generate(spec: &Spec, title: &str, options: &Options) -> Result<Generated, Vec<Diagnostic>> {
-    let chosen = choose(spec, options);
+    let mut chosen = choose(spec, options);
+    let arrays = arrays::unfold(&mut chosen);
     let found: Vec<Diagnostic> = chosen.properties.iter().flat_map(|p| refused(&chosen, p)).collect();
     if !found.is_empty() {
         return Err(once_each(found));
@@ -106,10 +114,9 @@ pub fn generate(spec: &Spec, title: &str, options: &Options) -> Result<Generated
     let program = compile(&chosen);
     let scene = Scene::new(&chosen, &program);
     clashes(&chosen, &scene)?;
-    let capacity = options.capacity.clamp(4, 1 << 20);
-    let unit = assemble::assemble(&scene, capacity)
+    let unit = assemble::assemble(&scene, room(options))
         .map_err(|(property, beyond)| vec![beyond_of(&chosen, property, beyond)])?;
-    let interface = interface(&scene, title, options, capacity, &unit);
+    let interface = interface(&scene, title, options, arrays, &unit);
     let files = match options.language {
         Language::Rust => vec![(format!("{}.rs", interface.prefix), print::rust(&unit, &interface))],
         Language::C => {
@@ -118,6 +125,11 @@ pub fn generate(spec: &Spec, title: &str, options: &Options) -> Result<Generated
         }
     };
     Ok(Generated { files, interface })
+}
+
+/// How much of anything there is room for.
+fn room(options: &Options) -> usize {
+    options.capacity.clamp(4, 1 << 20)
 }
 
 /// The specification with the wanted properties alone.
@@ -174,11 +186,12 @@ fn clashes(spec: &Spec, scene: &Scene<'_>) -> Result<(), Vec<Diagnostic>> {
 }
 
 fn beyond_of(spec: &Spec, property: usize, beyond: Beyond) -> Diagnostic {
-    let span = place(spec, property).unwrap_or_default();
+    let late = spec.properties.get(property).filter(|_| beyond == Beyond::LateBound).and_then(late_bound);
+    let span = late.or(place(spec, property)).unwrap_or_default();
     let (message, help) = match beyond {
         Beyond::OpensLate => ("a scope of this property opens or closes on a formula about the future", ""),
         Beyond::LateBound => (
-            "a bound below another operator of the future would need a clock for each position",
+            "a bound below another operator of the future, that would need a clock for each position",
             "give the inner formula a property of its own",
         ),
         Beyond::TooLarge => ("the automaton of this formula has too many states", "split it into several properties"),
@@ -186,7 +199,7 @@ fn beyond_of(spec: &Spec, property: usize, beyond: Beyond) -> Diagnostic {
     refusal(span, message, help)
 }
 
-fn interface(scene: &Scene<'_>, title: &str, options: &Options, capacity: usize, unit: &code::Unit) -> Interface {
+fn interface(scene: &Scene<'_>, title: &str, options: &Options, arrays: Vec<Array>, unit: &code::Unit) -> Interface {
     let mut names = Names::default();
     let property = |p: &lapwing_check::checked::Property| Property {
         name: p.name.clone(),
@@ -206,12 +219,13 @@ fn interface(scene: &Scene<'_>, title: &str, options: &Options, capacity: usize,
         })
     };
     Interface {
+        arrays,
         prefix: identifier(&options.name).to_lowercase(),
         spec: title.split(char::is_control).collect::<Vec<_>>().join(" "),
         properties: scene.spec.properties.iter().map(property).collect(),
         members: scene.members.values().cloned().collect(),
         texts: scene.texts.clone(),
-        capacity,
+        capacity: room(options),
         needs_libm: (any(print::needs_libm), any(print::needs_math)),
     }
 }

@@ -1,11 +1,12 @@
 //! Obligations: where they begin, the automaton that decides them, and what is remembered of those that are open.
 //!
-//! Without bounds, a count and the oldest beginning for each state of the automaton. With bounds each obligation has its own deadline, so
+//! Without bounds, a count and the oldest beginning for each state of the automaton. With bounds each obligation has its own deadlines, so
 //! that each is remembered, in a [`queue`](crate::queue).
 
 use lapwing_engine::program::{At, Bit, Bound, Group, Judged, Tracker};
 
-use crate::automaton::{Automaton, Fate, Tree};
+use crate::automaton::{Automaton, Fate, Target, Tree};
+use crate::clock::Clock;
 use crate::code::{Block, Expr, Ty, Unit, elem, field, local, since};
 use crate::formula::{Beyond, Table};
 use crate::past::whole;
@@ -160,9 +161,9 @@ impl<'a> Obligations<'a> {
     fn begin(&self, b: &mut Block, automaton: &Automaton) {
         let now = local("now");
         b.when(self.is_obliged(), |b| {
-            self.tree(b, &automaton.begin, &now, &mut |b, fate| match fate {
-                Fate::Open(state) => match self.how {
-                    How::Queued(_) => self.push(b, state),
+            self.tree(b, &automaton.begin, &|_| now.clone(), &mut |b, fate| match fate {
+                Fate::Open(Target { state, .. }) => match &self.how {
+                    How::Queued(automaton) => self.push(b, automaton, state),
                     _ => self.join(b, self.state("count", state), self.state("oldest", state), 1.into(), now.clone()),
                 },
                 fate => self.decide(b, fate == Fate::Met, 1.into(), now.clone(), now.clone()),
@@ -170,18 +171,24 @@ impl<'a> Obligations<'a> {
         });
     }
 
-    /// A decision tree, with what is to be done at its leaves.
-    pub fn tree(&self, b: &mut Block, tree: &Tree, began: &Expr, leaf: &mut dyn FnMut(&mut Block, Fate)) {
+    /// A decision tree, with what is to be done at its leaves; `clock` gives when a clock began.
+    pub fn tree(
+        &self,
+        b: &mut Block,
+        tree: &Tree,
+        clock: &dyn Fn(Clock) -> Expr,
+        leaf: &mut dyn FnMut(&mut Block, Fate),
+    ) {
         match tree {
             Tree::To(fate) => leaf(b, *fate),
             Tree::If(test, yes, no) => {
                 let condition = match test {
                     Test::Holds(register) => bit(Bit::new(*register as u32)),
-                    Test::Begun(from) => since(&local("now"), began).ge(*from),
+                    Test::Begun(of, from) => since(&local("now"), &clock(*of)).ge(*from),
                 };
                 let (mut then, mut other) = (Block::default(), Block::default());
-                self.tree(&mut then, yes, began, leaf);
-                self.tree(&mut other, no, began, leaf);
+                self.tree(&mut then, yes, clock, leaf);
+                self.tree(&mut other, no, clock, leaf);
                 b.branch(condition, |b| *b = then, |b| *b = other);
             }
         }
@@ -201,9 +208,9 @@ impl<'a> Obligations<'a> {
         for (number, state) in automaton.states.iter().enumerate() {
             let (count, began) = (counts[number].clone(), oldest[number].clone());
             b.when(count.clone().gt(0), |b| {
-                self.tree(b, &state.moves, &began, &mut |b, fate| match fate {
-                    Fate::Open(to) if lone && to == number => {}
-                    Fate::Open(to) => {
+                self.tree(b, &state.moves, &|_| began.clone(), &mut |b, fate| match fate {
+                    Fate::Open(to) if lone && to.state == number => {}
+                    Fate::Open(Target { state: to, .. }) => {
                         self.join(b, self.state("count", to), self.state("oldest", to), count.clone(), began.clone());
                     }
                     fate => {

@@ -6,8 +6,10 @@
 
 use lapwing_engine::program::{Bit, Bound, NodeId, Op, Positions, Window};
 
-use crate::code::{Bin, Block, Expr, Helper, Ty, Unit, call, elem, field, local, since};
+use crate::code::{Block, Expr, Helper, Ty, Unit, call, elem, field, local, since};
+use crate::frequency;
 use crate::interface::Kind;
+use crate::ring::Ring;
 use crate::scene::Scene;
 use crate::value::{View, bit};
 
@@ -42,6 +44,10 @@ impl<'a> Past<'a> {
     /// Runs the operators.
     pub fn run(&mut self, unit: &mut Unit, b: &mut Block) {
         let at = self.at;
+        for ring in frequency::rings(self.scene, at, self.capacity) {
+            ring.shorten(b);
+            self.overflows.push(ring.full());
+        }
         for (i, op) in at.ops.iter().enumerate() {
             self.op(unit, b, i, op);
         }
@@ -125,7 +131,7 @@ impl<'a> Past<'a> {
         };
         let apart = to.saturating_sub(from).saturating_add(1);
         let wanted = usize::try_from(from / apart).unwrap_or(usize::MAX).saturating_mul(2).saturating_add(4);
-        let ring = Ring::new(self, unit, i, wanted.min(self.capacity.max(4)));
+        let ring = Ring::new(unit, self.name(i, "queue"), wanted.min(self.capacity.max(4)));
         if wanted > ring.len {
             self.overflow(unit, &ring);
         }
@@ -183,7 +189,7 @@ impl<'a> Past<'a> {
     /// At how many positions of a window it held.
     fn count(&mut self, unit: &mut Unit, b: &mut Block, i: usize, of: Bit, duration: i64) {
         let running = self.running.clone();
-        let ring = Ring::new(self, unit, i, self.capacity);
+        let ring = Ring::new(unit, self.name(i, "queue"), self.capacity);
         self.overflow(unit, &ring);
         let now = local("now");
         b.repeat(ring.count().gt(0) & since(&now, &ring.at(0.into())).gt(duration), |b| ring.pop(b));
@@ -240,7 +246,7 @@ impl<'a> Past<'a> {
     /// The least, greatest or mean value of a window.
     fn window(&mut self, unit: &mut Unit, b: &mut Block, i: usize, window: Window, node: NodeId, duration: i64) {
         let running = self.running.clone();
-        let ring = Ring::new(self, unit, i, self.capacity);
+        let ring = Ring::new(unit, self.name(i, "queue"), self.capacity);
         self.overflow(unit, &ring);
         let values = self.name(i, "values");
         unit.array(&values, Ty::F64, ring.len, 0.0.into(), "The values at these stamps.");
@@ -319,59 +325,5 @@ fn ty(kind: Kind) -> (Ty, Expr) {
         Kind::Truth => (Ty::Bool, false.into()),
         Kind::Number => (Ty::F64, f64::NAN.into()),
         Kind::Text => (Ty::U32, 0.into()),
-    }
-}
-
-/// A queue of stamps in an array.
-struct Ring {
-    name: String,
-    len: usize,
-}
-
-impl Ring {
-    fn new(past: &Past<'_>, unit: &mut Unit, i: usize, len: usize) -> Ring {
-        let ring = Ring { name: past.name(i, "queue"), len };
-        unit.array(&ring.name, Ty::I64, len, 0.into(), "Stamps at which an operand held.");
-        unit.field(&format!("{}_head", ring.name), Ty::U32, 0.into(), "The oldest of them.");
-        unit.field(&format!("{}_count", ring.name), Ty::U32, 0.into(), "How many there are.");
-        ring
-    }
-
-    fn full(&self) -> String {
-        format!("{}_full", self.name)
-    }
-
-    fn count(&self) -> Expr {
-        field(format!("{}_count", self.name))
-    }
-
-    fn head(&self) -> Expr {
-        field(format!("{}_head", self.name))
-    }
-
-    fn index(&self, k: Expr) -> Expr {
-        let from_head = if k == Expr::Int(0) { return self.head() } else { self.head() + k };
-        from_head.bin(Bin::Rem, self.len as i64)
-    }
-
-    /// The `k`-th stamp, oldest first.
-    fn at(&self, k: Expr) -> Expr {
-        elem(&self.name, self.index(k))
-    }
-
-    fn pop(&self, b: &mut Block) {
-        b.set(&self.head(), (self.head() + 1.into()).bin(Bin::Rem, self.len as i64));
-        b.set(&self.count(), self.count() - 1.into());
-    }
-
-    fn push(&self, b: &mut Block, stamp: &Expr, may_overflow: bool) {
-        let push = |b: &mut Block| {
-            b.set(&self.at(self.count()), stamp.clone());
-            b.set(&self.count(), self.count() + 1.into());
-        };
-        match may_overflow {
-            true => b.branch(self.count().lt(self.len as i64), push, |b| b.set(&field(self.full()), true)),
-            false => push(b),
-        }
     }
 }

@@ -1,15 +1,35 @@
-//! Obligations with deadlines: a queue in an array, in the order in which they began. Those of one stamp and one state are one entry.
+//! Obligations with deadlines: a queue in an array, in the order in which they began. Those of one stamp and one state are one entry, and so
+//! are those of one state in which no clock runs any more.
 
 use lapwing_engine::program::Bit;
 
 use crate::automaton::{Automaton, Fate, State, Tree};
+use crate::clock::{BEGUN, Clock, NOW};
 use crate::code::{Bin, Block, Expr, Helper, Stmt, Ty, Unit, call, elem, field, local, since};
 use crate::obligations::{How, Obligations};
-use crate::residual::Test;
+use crate::residual::{End, Test};
 use crate::value::bit;
 
 /// What stands for the state of an entry that has left the queue.
 const GONE: i64 = 255;
+
+/// An entry, taken out to be looked at.
+struct Entry {
+    began: Expr,
+    count: Expr,
+    /// Its state, and what it becomes.
+    to: Expr,
+    /// Its clocks beside the one that began with it.
+    clocks: Vec<Expr>,
+}
+
+impl Entry {
+    /// When a clock began.
+    fn clock(&self, clock: Clock) -> Expr {
+        let later = usize::from(clock).checked_sub(1).and_then(|at| self.clocks.get(at));
+        later.unwrap_or(&self.began).clone()
+    }
+}
 
 impl Obligations<'_> {
     fn len(&self) -> Expr {
@@ -31,17 +51,23 @@ impl Obligations<'_> {
         unit.array(&format!("{}_began", self.name), Ty::I64, self.capacity, 0.into(), "When open obligations began.");
         unit.array(&format!("{}_number", self.name), Ty::U32, self.capacity, 0.into(), "How many began then.");
         unit.array(&format!("{}_state", self.name), Ty::U8, self.capacity, 0.into(), "In which state they are.");
+        if let How::Queued(automaton) = &self.how {
+            for clock in 1..=automaton.clocks() {
+                let doc = "Since when they wait for what they began to wait for later.";
+                unit.array(&format!("{}_clock{clock}", self.name), Ty::I64, self.capacity, 0.into(), doc);
+            }
+        }
         unit.field(&format!("{}_head", self.name), Ty::U32, 0.into(), "The oldest entry.");
         unit.field(&format!("{}_len", self.name), Ty::U32, 0.into(), "How many entries there are.");
         unit.field(&format!("{}_full", self.name), Ty::Bool, false.into(), "Whether there were too many.");
     }
 
-    pub fn push(&self, b: &mut Block, state: usize) {
+    /// Adds an obligation, which begins. None of its clocks is younger.
+    pub fn push(&self, b: &mut Block, automaton: &Automaton, state: usize) {
         let (len, now) = (self.len(), local("now"));
         let newest = self.index(len.clone() - 1.into());
-        let same = len.clone().gt(0)
-            & self.entry("began", newest.clone()).eq(&now)
-            & self.entry("state", newest.clone()).eq(state as i64);
+        let alike = Expr::Bool(is_timeless(&automaton.states[state])) | self.entry("began", newest.clone()).eq(&now);
+        let same = len.clone().gt(0) & alike & self.entry("state", newest.clone()).eq(state as i64);
         let is_full = field(format!("{}_full", self.name));
         b.branch(
             same,
@@ -68,65 +94,96 @@ impl Obligations<'_> {
         let moves = match automaton.states.iter().any(|s| s.moves.asks_time()) {
             true => Expr::Bool(true),
             false => {
-                let leaves = automaton.states.iter().enumerate().map(|(n, s)| leaves(&s.moves, Fate::Open(n)));
+                let leaves = automaton.states.iter().enumerate().map(|(n, s)| leaves(&s.moves, automaton.stays(n)));
                 leaves.fold(Expr::Bool(false), |a, b| a | b)
             }
         };
-        let arms = |b: &mut Block, to: &Expr, began: &Expr, count: &Expr| {
+        let arms = |b: &mut Block, entry: &Entry| {
             let arm = |(number, state): (usize, &State)| {
                 let mut arm = Block::default();
-                self.tree(&mut arm, &state.moves, began, &mut |b, fate| {
-                    if fate != Fate::Open(number) {
-                        self.go(b, fate, to, count, &local("now"), began);
+                self.tree(&mut arm, &state.moves, &|clock| entry.clock(clock), &mut |b, fate| {
+                    if fate != automaton.stays(number) {
+                        self.go(b, fate, entry, &local("now"));
                     }
                 });
                 (number as u8, arm.0)
             };
-            b.0.push(Stmt::Match(to.clone(), automaton.states.iter().enumerate().map(arm).collect()));
+            b.0.push(Stmt::Match(entry.to.clone(), automaton.states.iter().enumerate().map(arm).collect()));
         };
-        b.when(moves & self.len().gt(0), |b| self.sweep(b, arms));
+        b.when(moves & self.len().gt(0), |b| self.sweep(b, automaton, arms));
     }
 
     /// What becomes of an entry of the queue.
-    fn go(&self, b: &mut Block, fate: Fate, to: &Expr, count: &Expr, at: &Expr, began: &Expr) {
+    fn go(&self, b: &mut Block, fate: Fate, entry: &Entry, at: &Expr) {
         match fate {
-            Fate::Open(state) => b.set(to, state as i64),
+            Fate::Open(target) => {
+                b.set(&entry.to, target.state as i64);
+                // In the order of age: what a clock becomes is never older than what it was, so that nothing is overwritten that is still wanted.
+                for (own, (clock, &from)) in (1..).zip(entry.clocks.iter().zip(&target.clocks)) {
+                    match from {
+                        NOW => b.set(clock, local("now")),
+                        from if from == BEGUN || from == own => {}
+                        from => b.set(clock, entry.clock(from)),
+                    }
+                }
+            }
             fate => {
-                b.set(to, GONE);
-                self.decide(b, fate == Fate::Met, count.clone(), at.clone(), began.clone());
+                b.set(&entry.to, GONE);
+                self.decide(b, fate == Fate::Met, entry.count.clone(), at.clone(), entry.began.clone());
             }
         }
     }
 
     /// Goes through the queue; what is [`GONE`] after leaves it.
-    fn sweep(&self, b: &mut Block, each: impl FnOnce(&mut Block, &Expr, &Expr, &Expr)) {
+    fn sweep(&self, b: &mut Block, automaton: &Automaton, each: impl FnOnce(&mut Block, &Entry)) {
         let kept = b.var(format!("kept_{}", self.name), Ty::U32, 0.into());
         b.each("i", self.len(), |b| {
             let at = b.bind("entry", Ty::U32, self.index(local("i")));
             let began = b.bind("began", Ty::I64, self.entry("began", at.clone()));
             let number = b.bind("number", Ty::U32, self.entry("number", at.clone()));
+            let clock = |b: &mut Block, clock| {
+                b.var(format!("clock{clock}"), Ty::I64, self.entry(&format!("clock{clock}"), at.clone()))
+            };
+            let clocks: Vec<Expr> = (1..=automaton.clocks()).map(|k| clock(b, k)).collect();
             let to = b.var("to", Ty::U8, self.entry("state", at));
-            each(b, &to, &began, &number.clone().cast(Ty::U64));
-            b.when(to.clone().ne(GONE), |b| {
-                let into = b.bind("into", Ty::U32, self.index(kept.clone()));
-                b.set(&self.entry("began", into.clone()), began);
-                b.set(&self.entry("number", into.clone()), number);
-                b.set(&self.entry("state", into), to);
-                b.add(&kept, 1);
-            });
+            let entry = Entry { began, count: number.clone().cast(Ty::U64), to, clocks };
+            each(b, &entry);
+            b.when(entry.to.clone().ne(GONE), |b| self.keep(b, automaton, &entry, number, &kept));
         });
         b.set(&self.len(), kept);
+    }
+
+    /// An entry stays in the queue, or joins the one that was kept before it, from which nothing tells it apart any more.
+    fn keep(&self, b: &mut Block, automaton: &Automaton, entry: &Entry, number: Expr, kept: &Expr) {
+        let timeless = automaton.states.iter().enumerate().filter(|(_, state)| is_timeless(state));
+        let is_timeless = timeless.fold(Expr::Bool(false), |any, (n, _)| any | entry.to.clone().eq(n as i64));
+        let before = self.index(kept.clone() - 1.into());
+        let joins = is_timeless & kept.clone().gt(0) & self.entry("state", before.clone()).eq(entry.to.clone());
+        b.branch(
+            joins,
+            |b| b.add(&self.entry("number", before.clone()), number.clone()),
+            |b| {
+                let into = b.bind("into", Ty::U32, self.index(kept.clone()));
+                b.set(&self.entry("began", into.clone()), entry.began.clone());
+                b.set(&self.entry("number", into.clone()), number.clone());
+                for (k, clock) in (1..).zip(&entry.clocks) {
+                    b.set(&self.entry(&format!("clock{k}"), into.clone()), clock.clone());
+                }
+                b.set(&self.entry("state", into), entry.to.clone());
+                b.add(kept, 1);
+            },
+        );
     }
 
     /// Bounds that ended before now are over. Adds a function, and gives its name.
     pub fn expire(&self, unit: &mut Unit) -> Option<String> {
         let How::Queued(automaton) = &self.how else { return None };
-        let ends: Vec<(i64, bool, Fate)> = automaton.states.iter().filter_map(|s| s.deadline).collect();
-        let first = ends.iter().min_by_key(|e| (e.0, e.1))?;
-        let alike = ends.len() == automaton.states.len()
-            && ends.iter().all(|e| (e.0, e.1) == (first.0, first.1) && !matches!(e.2, Fate::Open(_)));
+        let ends = || automaton.states.iter().flat_map(|s| &s.deadlines);
+        let &(first, _) = ends().min_by_key(|(end, _)| (end.hi, end.is_in))?;
+        let alike = ends().count() == automaton.states.len()
+            && ends().all(|(end, fate)| (end.clock, *end) == (BEGUN, first) && !matches!(fate, Fate::Open(_)));
         let body = Block::of(|b| {
-            if alike { self.pop_expired(b, automaton, *first) } else { self.sweep_expired(b, automaton, first.0) }
+            if alike { self.pop_expired(b, automaton, first) } else { self.sweep_expired(b, automaton, first.hi) }
         });
         let name = format!("{}_expire", self.name);
         let is_some = unit.function(&name, "Bounds that ended before now are over.", &[("now", Ty::I64)], body);
@@ -134,15 +191,15 @@ impl Obligations<'_> {
     }
 
     /// All entries have the same bound: those that are over are the oldest.
-    fn pop_expired(&self, b: &mut Block, automaton: &Automaton, (hi, closed, _): (i64, bool, Fate)) {
+    fn pop_expired(&self, b: &mut Block, automaton: &Automaton, end: End) {
         let head = field(format!("{}_head", self.name));
         let began = self.entry("began", head.clone());
-        b.repeat(self.len().gt(0) & is_over(&began, hi, closed), |b| {
+        b.repeat(self.len().gt(0) & is_over(&began, end), |b| {
             let (began, number) = (b.bind("began", Ty::I64, began.clone()), self.entry("number", head.clone()));
             let number = b.bind("number", Ty::U64, number.cast(Ty::U64));
-            let at = call(Helper::Later, vec![began.clone(), hi.into()]);
+            let at = call(Helper::Later, vec![began.clone(), end.hi.into()]);
             let arm = |(number_of, state): (usize, &State)| {
-                let met = matches!(state.deadline, Some((_, _, Fate::Met)));
+                let met = matches!(state.deadlines.as_slice(), [(_, Fate::Met)]);
                 let arm = Block::of(|b| self.decide(b, met, number.clone(), at.clone(), began.clone()));
                 (number_of as u8, arm.0)
             };
@@ -158,31 +215,43 @@ impl Obligations<'_> {
 
     fn sweep_expired(&self, b: &mut Block, automaton: &Automaton, soonest: i64) {
         let oldest = self.entry("began", self.index(0.into()));
-        let arms = |b: &mut Block, to: &Expr, began: &Expr, count: &Expr| {
+        let arms = |b: &mut Block, entry: &Entry| {
             let on = b.var("on", Ty::Bool, true.into());
             b.repeat(on.clone(), |b| {
                 b.set(&on, false);
                 let arm = |(number, state): (usize, &State)| {
-                    let (hi, closed, fate) = state.deadline?;
-                    let arm = Block::of(|b| {
-                        b.when(is_over(began, hi, closed), |b| {
-                            let at = call(Helper::Later, vec![began.clone(), hi.into()]);
-                            self.go(b, fate, to, count, &at, began);
-                            b.set(&on, matches!(fate, Fate::Open(_)));
-                        });
-                    });
-                    Some((number as u8, arm.0))
+                    let arm = Block::of(|b| self.end_first(b, &state.deadlines, 0, entry, &on));
+                    (!state.deadlines.is_empty()).then_some((number as u8, arm.0))
                 };
-                b.0.push(Stmt::Match(to.clone(), automaton.states.iter().enumerate().filter_map(arm).collect()));
+                let arms = automaton.states.iter().enumerate().filter_map(arm).collect();
+                b.0.push(Stmt::Match(entry.to.clone(), arms));
             });
         };
-        b.when(self.len().gt(0) & since(&local("now"), &oldest).ge(soonest), |b| self.sweep(b, arms));
+        b.when(self.len().gt(0) & since(&local("now"), &oldest).ge(soonest), |b| self.sweep(b, automaton, arms));
+    }
+
+    /// Of the bounds of an entry the one that ends first, if it is over.
+    fn end_first(&self, b: &mut Block, deadlines: &[(End, Fate)], which: usize, entry: &Entry, on: &Expr) {
+        let Some((end, fate)) = deadlines.get(which) else { return };
+        let at = |end: &End| call(Helper::Later, vec![entry.clock(end.clock), end.hi.into()]);
+        let others = deadlines.iter().enumerate().filter(|(n, _)| *n != which);
+        let is_first = others.fold(Expr::Bool(true), |all, (_, (other, _))| all & at(end).le(at(other)));
+        b.branch(
+            is_over(&entry.clock(end.clock), *end) & is_first,
+            |b| {
+                self.go(b, *fate, entry, &at(end));
+                b.set(on, matches!(fate, Fate::Open(_)));
+            },
+            |b| self.end_first(b, deadlines, which + 1, entry, on),
+        );
     }
 
     /// Whether a bound of no length, its end left out, is over where it begins.
     pub fn may_expire_at_once(&self) -> bool {
         match &self.how {
-            How::Queued(automaton) => automaton.states.iter().any(|s| matches!(s.deadline, Some((0, false, _)))),
+            How::Queued(automaton) => {
+                automaton.states.iter().flat_map(|s| &s.deadlines).any(|(end, _)| (end.hi, end.is_in) == (0, false))
+            }
             _ => false,
         }
     }
@@ -209,10 +278,12 @@ impl Obligations<'_> {
             let at = b.bind("entry", Ty::U32, self.index(local("i")));
             b.add(open, self.entry("number", at.clone()).cast(Ty::U64));
             if self.gates.is_empty() {
-                let gone = b.bind("gone", Ty::U64, since(&field("last"), &self.entry("began", at.clone())));
+                let began = self.entry("began", at.clone());
+                let later = (1..=automaton.clocks()).map(|k| self.entry(&format!("clock{k}"), at.clone()));
+                let clocks: Vec<Expr> = std::iter::once(began).chain(later).collect();
                 let arm = |n: usize| {
                     let mut arm = Block::default();
-                    when_missed(&mut arm, automaton, Fate::Open(n), &gone, missed);
+                    when_missed(&mut arm, automaton, automaton.stays(n), &clocks, missed);
                     (n as u8, arm.0)
                 };
                 b.0.push(Stmt::Match(self.entry("state", at), (0..automaton.states.len()).map(arm).collect()));
@@ -222,26 +293,54 @@ impl Obligations<'_> {
 }
 
 /// Sets `missed` where what has this fate would be false, were the trace all: bounds that reach no further than its end are over then.
-fn when_missed(b: &mut Block, automaton: &Automaton, fate: Fate, gone: &Expr, missed: &Expr) {
+/// `clocks` are those that it has before it goes there, the one of the obligation first.
+fn when_missed(b: &mut Block, automaton: &Automaton, fate: Fate, clocks: &[Expr], missed: &Expr) {
     match fate {
         Fate::Met => {}
         Fate::Failed => b.set(missed, true),
-        Fate::Open(number) => {
-            let state = &automaton.states[number];
-            let here = |b: &mut Block| {
-                if state.is_missed {
-                    b.set(missed, true)
-                }
-            };
-            match state.deadline {
-                None => here(b),
-                Some((hi, _, then)) => {
-                    let over = if hi == 0 { Expr::Bool(true) } else { gone.clone().ge(hi) };
-                    b.branch(over, |b| when_missed(b, automaton, then, gone, missed), here);
-                }
-            }
+        Fate::Open(target) => {
+            let state = &automaton.states[target.state];
+            let later = target.clocks.iter().take(state.clocks);
+            let clocks: Vec<Expr> = std::iter::once(&BEGUN)
+                .chain(later)
+                .filter_map(|&from| clocks.get(usize::from(from)))
+                .cloned()
+                .collect();
+            unless_over(b, automaton, state, &state.deadlines, &clocks, missed);
         }
     }
+}
+
+/// [`when_missed`] of a state, some of whose bounds are not over.
+fn unless_over(
+    b: &mut Block,
+    automaton: &Automaton,
+    state: &State,
+    deadlines: &[(End, Fate)],
+    clocks: &[Expr],
+    missed: &Expr,
+) {
+    match deadlines.split_first() {
+        None if state.is_missed => b.set(missed, true),
+        None => {}
+        Some(((end, then), rest)) => {
+            let gone = |began: &Expr| since(&field("last"), began).ge(end.hi);
+            let over = match clocks.get(usize::from(end.clock)) {
+                Some(began) if end.hi > 0 => gone(began),
+                _ => Expr::Bool(true),
+            };
+            b.branch(
+                over,
+                |b| when_missed(b, automaton, *then, clocks, missed),
+                |b| unless_over(b, automaton, state, rest, clocks, missed),
+            );
+        }
+    }
+}
+
+/// Whether all obligations in a state fare alike, whenever they began.
+fn is_timeless(state: &State) -> bool {
+    !state.asks_begin && state.clocks == 0
 }
 
 /// Whether a decision tree that asks no time leads elsewhere.
@@ -251,12 +350,12 @@ fn leaves(tree: &Tree, stays: Fate) -> Expr {
         Tree::If(Test::Holds(register), yes, no) => {
             bit(Bit::new(*register as u32)).choose(leaves(yes, stays), leaves(no, stays))
         }
-        Tree::If(Test::Begun(_), ..) => Expr::Bool(true),
+        Tree::If(Test::Begun(..), ..) => Expr::Bool(true),
     }
 }
 
-/// Whether a bound that began then is over now.
-fn is_over(began: &Expr, hi: i64, closed: bool) -> Expr {
+/// Whether a bound whose clock began then is over now.
+fn is_over(began: &Expr, end: End) -> Expr {
     let gone = since(&local("now"), began);
-    if closed { gone.gt(hi) } else { gone.ge(hi) }
+    if end.is_in { gone.gt(end.hi) } else { gone.ge(end.hi) }
 }

@@ -126,10 +126,6 @@ impl Refusals<'_> {
                 return;
             }
             Kind::Param(_) => self.add(e.span, "the value of an instance is not known beforehand", ""),
-            Kind::Frequency(..) => {
-                let message = "`frequency` counts the messages of a window, which generated code does not keep";
-                self.add(e.span, message, "ask for the age, or count at the source and declare that as a signal");
-            }
             Kind::Event(event) | Kind::EventField { event, .. } => self.event(*event, e.span),
             Kind::InState { machine, .. } => self.machine(*machine),
             _ => {}
@@ -137,47 +133,33 @@ impl Refusals<'_> {
         e.children().into_iter().for_each(|c| self.values(c));
     }
 
-    /// The way in which obligations split a formula, to find bounds that do not begin where an obligation begins.
+    /// The way in which obligations split a formula: scopes outermost cut the trace into segments, whatever opens them.
     fn obligations(&mut self, f: &Expr) {
         match &f.kind {
             _ if !f.has_future() => {}
-            Kind::Always(_, body) => self.future(body, true),
+            Kind::Always(_, body) => self.future(body),
             Kind::Connective(lapwing_check::checked::Connective::And, l, r) => {
                 self.obligations(l);
                 self.obligations(r);
             }
-            Kind::Scope(Scope::Whenever, x, body) => [x, body].into_iter().for_each(|e| self.future(e, true)),
+            Kind::Scope(Scope::Whenever, x, body) => [x, body].into_iter().for_each(|e| self.future(e)),
             Kind::Scope(_, x, body) if !x.has_future() => self.obligations(body),
             Kind::AfterUntil(x, y, body) if !x.has_future() && !y.has_future() => self.obligations(body),
-            _ => self.future(f, true),
+            _ => self.future(f),
         }
     }
 
-    /// `at_begin` where the formula is asked at the position at which its obligation begins, and there alone.
-    fn future(&mut self, e: &Expr, at_begin: bool) {
-        if !e.has_future() {
-            return;
-        }
-        let goes_on = match &e.kind {
-            Kind::Not(_) | Kind::Connective(..) => at_begin,
-            Kind::Always(bound, _) | Kind::Eventually(bound, _) | Kind::Until(bound, ..) => {
-                if *bound != Bound::ALL && !at_begin {
-                    let message = "a bound below another operator of the future would need a clock for each position";
-                    self.add(e.span, message, "give the inner formula a property of its own");
-                }
-                false
-            }
-            Kind::Scope(scope, x, _) if *scope != Scope::Whenever && x.has_future() => {
-                self.opens_late(e);
-                false
-            }
-            Kind::AfterUntil(x, y, _) if x.has_future() || y.has_future() => {
-                self.opens_late(e);
-                false
-            }
+    /// Scopes that open or close late, anywhere in a formula.
+    fn future(&mut self, e: &Expr) {
+        let is_late = match &e.kind {
+            Kind::Scope(scope, x, _) => *scope != Scope::Whenever && x.has_future(),
+            Kind::AfterUntil(x, y, _) => x.has_future() || y.has_future(),
             _ => false,
         };
-        e.children().into_iter().for_each(|c| self.future(c, goes_on));
+        if is_late {
+            self.opens_late(e);
+        }
+        e.children().into_iter().for_each(|c| self.future(c));
     }
 
     fn opens_late(&mut self, e: &Expr) {
@@ -187,7 +169,28 @@ impl Refusals<'_> {
     }
 }
 
-const ARRAYS: &str = "declare the field or element that is wanted: `decl front /scan LaserScan.ranges[0]`";
+/// The first bound of a formula that begins at other positions than its obligations do.
+pub(crate) fn late_bound(property: &Property) -> Option<Span> {
+    fn below(e: &Expr, is_inside: bool) -> Option<Span> {
+        let bound = match &e.kind {
+            Kind::Always(bound, _) | Kind::Eventually(bound, _) | Kind::Until(bound, ..) => Some(bound),
+            _ => None,
+        };
+        match bound.is_some_and(|bound| is_inside && *bound != Bound::ALL && e.has_future()) {
+            true => Some(e.span),
+            false => e.children().into_iter().find_map(|c| below(c, is_inside || bound.is_some())),
+        }
+    }
+    match &property.body {
+        // An `always` that is outermost is where obligations begin.
+        Body::Formula(Expr { kind: Kind::Always(_, of), .. }) => below(of, false),
+        Body::Formula(formula) => below(formula, false),
+        Body::Machine(_) | Body::None => None,
+    }
+}
+
+const ARRAYS: &str = "of an array of numbers ask for its length, its least or greatest element, one by its number, or whether something that depends on nothing \
+                      else is true of any or all; of a message declare the field that is wanted";
 
 fn is_structured(ty: &Type) -> bool {
     matches!(ty, Type::Array(_) | Type::Message(_))

@@ -5,8 +5,9 @@
 //! a distributive lattice and De Morgan's, but not `x or not x`. (Bacchus and Kabanza, "Using temporal logics to express search control
 //! knowledge for planning", 2000, progress formulas in this way; two-valued.)
 
-use lapwing_engine::program::Bound;
+use lapwing_engine::program::{Bit, Bound};
 
+use crate::clock::{Clock, Wait};
 use crate::formula::{Formula, Ref, Table};
 
 /// What is left of a formula.
@@ -25,7 +26,7 @@ pub(crate) enum Atom {
     /// The formula at the next position.
     Next(Ref),
     /// `eventually` and `until`, which go on; `after`, which waits for its X.
-    Still(usize),
+    Still(Wait),
     /// The body of an `until` or `before` scope, until its X comes.
     UpTo(usize, Box<Rest>),
     /// Segment after segment, and the body in the one that is open.
@@ -37,8 +38,8 @@ pub(crate) enum Atom {
 pub(crate) enum Test {
     /// A register.
     Holds(usize),
-    /// Whether the obligation began at least so many nanoseconds ago.
-    Begun(i64),
+    /// Whether a clock began at least so many nanoseconds ago.
+    Begun(Clock, i64),
 }
 
 /// Answers tests, or says which one must be answered first.
@@ -63,7 +64,7 @@ impl Rest {
     }
 
     /// The conjunction, or the disjunction, of some, in their one canonical form: flat, in order, without doubles and without what another
-    /// part absorbs.
+    /// part implies: `x and (x or y)` is `x`, and so is `x and y` where y waits for the same and longer.
     fn join(of: Vec<Rest>, all: bool) -> Rest {
         let mut parts: Vec<Rest> = Vec::new();
         for part in of {
@@ -77,30 +78,22 @@ impl Rest {
         }
         parts.sort();
         parts.dedup();
-        let absorbed =
-            |i: usize| parts.iter().enumerate().any(|(j, other)| i != j && parts[i].is_absorbed_by(other, all));
-        let kept: Vec<bool> = (0..parts.len()).map(|i| !absorbed(i)).collect();
-        let mut kept = kept.into_iter();
-        parts.retain(|_| kept.next().unwrap_or(true));
+        let mut at = 0;
+        while at < parts.len() {
+            let is_implied = |(i, other): (usize, &Rest)| {
+                i != at && if all { other.implies(&parts[at]) } else { parts[at].implies(other) }
+            };
+            if parts.iter().enumerate().any(is_implied) {
+                parts.remove(at);
+            } else {
+                at += 1;
+            }
+        }
         match (parts.len(), all) {
             (0, _) => Rest::Known(all),
             (1, _) => parts.remove(0),
             (_, true) => Rest::All(parts),
             (_, false) => Rest::Any(parts),
-        }
-    }
-
-    /// `x and (x or y)` is `x`, `x or (x and y)` is `x`.
-    fn is_absorbed_by(&self, other: &Rest, all: bool) -> bool {
-        let inner = match (self, all) {
-            (Rest::Any(inner), true) | (Rest::All(inner), false) => inner,
-            _ => return false,
-        };
-        match (other, all) {
-            (Rest::Any(of), true) | (Rest::All(of), false) => {
-                of.len() < inner.len() && of.iter().all(|o| inner.contains(o))
-            }
-            _ => inner.contains(other),
         }
     }
 
@@ -119,16 +112,16 @@ impl Table {
     /// What is left of a formula that is asked at a position, once that has been seen.
     pub fn ask(&self, of: Ref, see: Answers<'_>) -> Result<Rest, Test> {
         let rest = match self.get(of.id) {
-            Formula::State(bit) => Rest::Known(see(Test::Holds(bit.register()))? != bit.is_negated()),
+            Formula::State(bit) => Rest::Known(holds(bit, see)?),
             Formula::And(l, r) => match self.ask(l, see)? {
                 Rest::Known(false) => Rest::Known(false),
                 left => Rest::both(left, self.ask(r, see)?),
             },
             Formula::Next(f) => Rest::Open(Atom::Next(f), false),
-            Formula::Eventually(bound, f) => self.eventually(of.id, f, bound.contains(0), see)?,
-            Formula::Until(bound, l, r) => self.until(of.id, (l, r), bound.contains(0), see)?,
-            Formula::After(..) => self.still(of.id, see)?,
-            Formula::UpTo { weak, x, body } => match see(Test::Holds(x.register()))? != x.is_negated() {
+            Formula::Eventually(bound, f) => self.eventually(Wait::by(of.id, &bound), f, bound.contains(0), see)?,
+            Formula::Until(bound, l, r) => self.until(Wait::by(of.id, &bound), (l, r), bound.contains(0), see)?,
+            Formula::After(..) => self.still(Wait::forever(of.id), see)?,
+            Formula::UpTo { weak, x, body } => match holds(x, see)? {
                 true => Rest::Known(true),
                 false => up_to(of.id, weak, self.ask(body, see)?),
             },
@@ -137,8 +130,8 @@ impl Table {
         Ok(if of.negated { rest.not() } else { rest })
     }
 
-    fn eventually(&self, id: usize, f: Ref, is_in: bool, see: Answers<'_>) -> Result<Rest, Test> {
-        let still = Rest::Open(Atom::Still(id), false);
+    fn eventually(&self, wait: Wait, f: Ref, is_in: bool, see: Answers<'_>) -> Result<Rest, Test> {
+        let still = Rest::Open(Atom::Still(wait), false);
         if !is_in {
             return Ok(still);
         }
@@ -148,43 +141,37 @@ impl Table {
         }
     }
 
-    fn until(&self, id: usize, (l, r): (Ref, Ref), is_in: bool, see: Answers<'_>) -> Result<Rest, Test> {
+    fn until(&self, wait: Wait, (l, r): (Ref, Ref), is_in: bool, see: Answers<'_>) -> Result<Rest, Test> {
         let here = if is_in { self.ask(r, see)? } else { Rest::Known(false) };
         if here == Rest::Known(true) {
             return Ok(here);
         }
-        let on = Rest::both(self.ask(l, see)?, Rest::Open(Atom::Still(id), false));
+        let on = Rest::both(self.ask(l, see)?, Rest::Open(Atom::Still(wait), false));
         Ok(Rest::either(here, on))
     }
 
-    fn still(&self, id: usize, see: Answers<'_>) -> Result<Rest, Test> {
-        let begun = |bound: &Bound, see: Answers<'_>| match crate::past::whole(bound).0 {
-            0 => Ok(true),
-            from => see(Test::Begun(from)),
+    fn still(&self, wait: Wait, see: Answers<'_>) -> Result<Rest, Test> {
+        let begun = |bound: &Bound, see: Answers<'_>| match (wait.clock, crate::past::whole(bound).0) {
+            (None, _) | (_, 0) => Ok(true),
+            (Some(clock), from) => see(Test::Begun(clock, from)),
         };
-        match self.get(id) {
+        match self.get(wait.id) {
             Formula::Eventually(bound, f) => {
                 let is_in = begun(&bound, see)?;
-                self.eventually(id, f, is_in, see)
+                self.eventually(wait, f, is_in, see)
             }
             Formula::Until(bound, l, r) => {
                 let is_in = begun(&bound, see)?;
-                self.until(id, (l, r), is_in, see)
+                self.until(wait, (l, r), is_in, see)
             }
-            Formula::After(x, body) => match see(Test::Holds(x.register()))? != x.is_negated() {
-                true => self.ask(body, see),
-                false => Ok(Rest::Open(Atom::Still(id), false)),
-            },
-            _ => Ok(Rest::Open(Atom::Still(id), false)),
+            Formula::After(x, body) if holds(x, see)? => self.ask(body, see),
+            _ => Ok(Rest::Open(Atom::Still(wait), false)),
         }
     }
 
     fn each(&self, id: usize, open: Option<&Rest>, see: Answers<'_>) -> Result<Rest, Test> {
         let Formula::Each { x, y, body } = self.get(id) else { return Ok(Rest::Known(true)) };
         let waits = Rest::Open(Atom::Each(id, None), false);
-        let holds = |bit: lapwing_engine::program::Bit, see: Answers<'_>| -> Result<bool, Test> {
-            Ok(see(Test::Holds(bit.register()))? != bit.is_negated())
-        };
         let closes = match y {
             Some(y) if open.is_some() => holds(y, see)?,
             None => !holds(x, see)?,
@@ -201,10 +188,7 @@ impl Table {
             Some(rest) => self.progress(rest, see)?,
             None => self.ask(body, see)?,
         };
-        Ok(match inside {
-            Rest::Known(false) => Rest::Known(false),
-            inside => Rest::Open(Atom::Each(id, Some(Box::new(inside))), false),
-        })
+        Ok(each(id, inside))
     }
 
     /// What is left after one more position.
@@ -232,10 +216,10 @@ impl Table {
     fn progress_atom(&self, atom: &Atom, see: Answers<'_>) -> Result<Rest, Test> {
         match atom {
             Atom::Next(f) => self.ask(*f, see),
-            Atom::Still(id) => self.still(*id, see),
+            Atom::Still(wait) => self.still(*wait, see),
             Atom::UpTo(id, rest) => {
                 let Formula::UpTo { weak, x, .. } = self.get(*id) else { return Ok(Rest::Known(true)) };
-                match see(Test::Holds(x.register()))? != x.is_negated() {
+                match holds(x, see)? {
                     true => Ok(Rest::Known(self.close(rest))),
                     false => Ok(up_to(*id, weak, self.progress(rest, see)?)),
                 }
@@ -257,7 +241,7 @@ impl Table {
     fn close_atom(&self, atom: &Atom) -> bool {
         match atom {
             Atom::Next(_) => false,
-            Atom::Still(id) => matches!(self.get(*id), Formula::After(..)),
+            Atom::Still(wait) => matches!(self.get(wait.id), Formula::After(..)),
             Atom::UpTo(id, _) => matches!(self.get(*id), Formula::UpTo { weak: true, .. }),
             Atom::Each(_, open) => open.as_ref().is_none_or(|rest| self.close(rest)),
         }
@@ -276,7 +260,7 @@ impl Table {
     fn end_atom(&self, atom: &Atom) -> Option<bool> {
         match atom {
             Atom::Next(_) => None,
-            Atom::Still(id) => match self.get(*id) {
+            Atom::Still(wait) => match self.get(wait.id) {
                 Formula::Eventually(bound, _) | Formula::Until(bound, ..) => (!bound.has_end()).then_some(false),
                 _ => Some(true),
             },
@@ -285,28 +269,69 @@ impl Table {
         }
     }
 
-    /// The bound that ends first, and whether its end is in.
-    pub fn deadline(&self, rest: &Rest) -> Option<(i64, bool)> {
+    /// Of each clock, the bound that ends first.
+    pub fn ends(&self, rest: &Rest) -> Vec<End> {
+        let mut ends = Vec::new();
+        self.all_ends(rest, &mut ends);
+        ends.sort_unstable();
+        ends.dedup_by_key(|end| end.clock);
+        ends
+    }
+
+    fn all_ends(&self, rest: &Rest, ends: &mut Vec<End>) {
         match rest {
-            Rest::Open(Atom::Still(id), _) => match self.get(*id) {
-                Formula::Eventually(bound, _) | Formula::Until(bound, ..) if bound.has_end() => {
-                    Some((bound.hi, bound.hi_closed))
-                }
-                _ => None,
-            },
-            Rest::All(of) | Rest::Any(of) => of.iter().filter_map(|r| self.deadline(r)).min(),
+            Rest::Known(_) | Rest::Open(Atom::Next(_) | Atom::Each(_, None), _) => {}
+            Rest::Open(Atom::Still(wait), _) => ends.extend(self.end_of(wait)),
+            Rest::Open(Atom::UpTo(_, of) | Atom::Each(_, Some(of)), _) => self.all_ends(of, ends),
+            Rest::All(of) | Rest::Any(of) => of.iter().for_each(|part| self.all_ends(part, ends)),
+        }
+    }
+
+    fn end_of(&self, wait: &Wait) -> Option<End> {
+        match self.get(wait.id) {
+            Formula::Eventually(bound, _) | Formula::Until(bound, ..) if bound.has_end() => {
+                Some(End { clock: wait.clock?, hi: bound.hi, is_in: bound.hi_closed })
+            }
             _ => None,
         }
     }
 
     /// What is left once that bound is over.
-    pub fn expire(&self, rest: &Rest, over: (i64, bool)) -> Rest {
-        match rest {
-            Rest::Open(Atom::Still(_), negated) if self.deadline(rest) == Some(over) => Rest::Known(*negated),
-            Rest::All(of) => Rest::join(of.iter().map(|r| self.expire(r, over)).collect(), true),
-            Rest::Any(of) => Rest::join(of.iter().map(|r| self.expire(r, over)).collect(), false),
-            rest => rest.clone(),
-        }
+    pub fn expire(&self, rest: &Rest, over: End) -> Rest {
+        let inner = |of: &Rest| self.expire(of, over);
+        let (rest, negated) = match rest {
+            Rest::Known(b) => return Rest::Known(*b),
+            Rest::All(of) => return Rest::join(of.iter().map(inner).collect(), true),
+            Rest::Any(of) => return Rest::join(of.iter().map(inner).collect(), false),
+            Rest::Open(Atom::Still(wait), negated) if self.end_of(wait) == Some(over) => (Rest::Known(false), negated),
+            Rest::Open(Atom::UpTo(id, of), negated) => {
+                let weak = matches!(self.get(*id), Formula::UpTo { weak: true, .. });
+                (up_to(*id, weak, inner(of)), negated)
+            }
+            Rest::Open(Atom::Each(id, Some(of)), negated) => (each(*id, inner(of)), negated),
+            Rest::Open(..) => return rest.clone(),
+        };
+        if *negated { rest.not() } else { rest }
+    }
+}
+
+/// The end of a bound: so long after a clock began, and whether that moment is in.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(crate) struct End {
+    pub clock: Clock,
+    pub hi: i64,
+    pub is_in: bool,
+}
+
+fn holds(bit: Bit, see: Answers<'_>) -> Result<bool, Test> {
+    Ok(see(Test::Holds(bit.register()))? != bit.is_negated())
+}
+
+/// A segment that is open: a body that failed there failed for good.
+fn each(id: usize, body: Rest) -> Rest {
+    match body {
+        Rest::Known(false) => Rest::Known(false),
+        body => Rest::Open(Atom::Each(id, Some(Box::new(body))), false),
     }
 }
 

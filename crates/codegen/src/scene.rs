@@ -230,7 +230,7 @@ impl Used {
             match node {
                 Node::Slot(slot) => self.read(Read::Slot(*slot)),
                 Node::Updated(slots) => slots.iter().for_each(|s| self.read(Read::Slot(*s))),
-                Node::Fresh(topic) | Node::Age(topic) => self.read(Read::Topic(*topic)),
+                Node::Fresh(topic) | Node::Age(topic) | Node::Frequency(topic, _) => self.read(Read::Topic(*topic)),
                 Node::Event(event) => self.event(program, *event),
                 Node::EventField { event, field } => {
                     self.event(program, *event);

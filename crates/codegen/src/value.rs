@@ -3,6 +3,7 @@
 use lapwing_engine::program::{Arith, Bit, Compare, Func, Node, NodeId, Op, Positions, Read};
 
 use crate::code::{Expr, Helper, Ty, call, field, local, since};
+use crate::frequency::frequency;
 use crate::intake::heard;
 use crate::interface::{From, Kind};
 use crate::kinds::Kinds;
@@ -148,13 +149,9 @@ impl<'a> View<'a> {
             | Node::Iff(..)
             | Node::Compare { .. }
             | Node::CompareAny { .. } => truth(self.truth(node)),
+            Node::Frequency(topic, window) => number(frequency(self.scene, *topic, *window)),
             // Refused where the specification is looked through.
-            Node::Param(_)
-            | Node::Var(_)
-            | Node::Field(..)
-            | Node::Index(..)
-            | Node::Any { .. }
-            | Node::Frequency(..) => number(NAN),
+            Node::Param(_) | Node::Var(_) | Node::Field(..) | Node::Index(..) | Node::Any { .. } => number(NAN),
         }
     }
 
@@ -199,7 +196,7 @@ fn truth_of(value: &Val) -> Expr {
 }
 
 /// A comparison with a margin; equal infinities are equal, NaN is only ever unequal.
-fn compare(op: Compare, a: Expr, b: Expr, margin: Option<Expr>) -> Expr {
+pub(crate) fn compare(op: Compare, a: Expr, b: Expr, margin: Option<Expr>) -> Expr {
     let Some(m) = margin.filter(|m| *m != Expr::Float(0.0)) else {
         return match op {
             Compare::Lt => a.lt(b),

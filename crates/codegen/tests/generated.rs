@@ -187,6 +187,55 @@ fn more_obligations_than_there_is_room_for_are_told() {
 }
 
 #[test]
+fn what_waits_for_the_same_waits_in_one_entry() {
+    // A thousand requests wait for an idle minute, of which four have room: they are one.
+    let text = "whenever p, eventually always within 60 s q\n";
+    let main = format!(
+        "static robot_monitor m; robot_init(&m);
+        for (int64_t i = 0; i < 1000; i++) {{
+            robot_inputs in = {{.p = true, .has_p = true, .q = i % 3 == 0 || i == 999, .has_q = true}};
+            robot_step(&m, i * INT64_C(1000000000), &in);
+        }}
+        robot_advance(&m, INT64_C(1058000000000)); {{{SAY}}}
+        robot_advance(&m, INT64_C(1060000000000)); {{{SAY}}}"
+    );
+    assert_eq!(run_c(text, 4, &main), ["3 0 0 1000", "3 0 0 0"].concat());
+}
+
+#[test]
+fn of_an_array_no_more_is_kept_than_what_is_asked_of_it() {
+    let text = "decl ranges /scan LaserScan.ranges\nalways min(ranges) >= 0.3\nalways ranges[1] < 2 and len(ranges) <= 3\n\
+                never any(ranges, v => v > 4 and v != 5)\nalways all(ranges, v => abs(v) < 9) or stopped\n";
+    let interface = generated(text, Language::C).interface;
+    let names: Vec<_> = interface.members.iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(names, ["stopped", "min_ranges", "ranges_1", "len_ranges", "any_ranges", "all_ranges"]);
+    assert_eq!(interface.arrays.iter().map(|a| a.setter.as_str()).collect::<Vec<_>>(), ["set_ranges"]);
+    let main = "static robot_monitor m; robot_init(&m);
+        const double scans[4][3] = {{1, 1.5, 3}, {1, NAN, 0.2}, {5, 4.5, 1}, {1, 1, 8}};
+        for (int i = 0; i < 4; i++) {
+            robot_inputs in = {0};
+            in.has_stopped = true;
+            robot_set_ranges(&in, scans[i], 3);
+            robot_step(&m, i, &in);
+        }
+        robot_inputs none = {0};
+        robot_set_ranges(&none, 0, 0);
+        robot_step(&m, 4, &none);
+        robot_end(&m);
+        for (uint32_t p = 0; p < ROBOT_PROPERTIES; p++) {
+            printf(\"%d/%d \", (int)robot_get(&m, p).met, (int)robot_get(&m, p).failed);
+        }";
+    let generated = generated(text, Language::C);
+    let folder = compile_c(
+        &generated,
+        &format!("#include <math.h>\n#include <stdio.h>\nint main(void) {{\n{main}\nreturn 0;\n}}\n"),
+    );
+    let output = Command::new(folder.path().join("main")).output().expect("it runs");
+    // NaN is no distance: the second scan's least is 0.2, its second element below nothing; of no elements nothing is least.
+    assert_eq!(String::from_utf8_lossy(&output.stdout), "3/2 2/3 3/2 5/0 ");
+}
+
+#[test]
 fn time_that_jumps_back_starts_everything_anew() {
     let main = format!(
         "static robot_monitor m; robot_init(&m);
@@ -200,14 +249,18 @@ fn time_that_jumps_back_starts_everything_anew() {
 #[test]
 fn what_would_need_more_than_one_fixed_size_is_refused_at_its_place() {
     let of = |text: &str| refused(text).into_iter().map(|(source, _)| source).collect::<Vec<_>>();
-    assert_eq!(of("decl r /scan LaserScan.ranges\nnever min(r) < 0.3\n"), ["min(r)"]);
-    assert_eq!(of("decl x /x Float64.data\nalways frequency(/x, 1 s) > 5\nnever x > 2\n"), ["frequency(/x, 1 s)"]);
+    let ranges = "decl r /scan LaserScan.ranges\ndecl joints /joints JointState\n";
+    assert_eq!(of(&format!("{ranges}never min(r) < x\nnever any(r, v => v > x)\n")), ["any(r, v => v > x)"]);
+    let lookup = "lookup(joints.name, joints.position, \"hip\")";
+    assert_eq!(of(&format!("{ranges}never {lookup} > 1\n")), [lookup]);
     assert_eq!(
         of("event kick\nfor each r in (a, b): never r > 1\nfor each k of kick.robot: eventually kick\n").len(),
         1
     );
-    let nested = "whenever p, always within 2 s eventually within 1 s q\n";
-    assert_eq!(of(nested), ["eventually within 1 s q"]);
+    // Each p without a q has a second of its own, in which an r may begin that has to last.
+    let nested = "whenever p, always within 2 s (q or eventually within [1 s, 3 s] r)\n";
+    assert_eq!(of(nested), ["eventually within [1 s, 3 s] r"]);
+    assert_eq!(of("whenever p, always within 2 s (q or eventually within 3 s r)\n"), [""; 0]);
     assert_eq!(of("after (eventually p), always q\n"), ["after (eventually p), always q"]);
     assert_eq!(of("decl name /name String.data\nnever starts_with(name, \"x\")\n"), ["starts_with(name, \"x\")"]);
     assert_eq!(of("decl a /a String.data\ndecl b /b String.data\nnever a == b\nnever a == \"x\"\n").len(), 1);

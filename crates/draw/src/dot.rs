@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Graph, Node, Shape};
+use super::{Edge, Graph, Node, Shape};
 
 /// A document with a cluster for each graph.
 pub(super) fn document(graphs: &[Graph]) -> String {
@@ -14,18 +14,25 @@ pub(super) fn document(graphs: &[Graph]) -> String {
             let _ = writeln!(out, "    {} [label={}{}];", id(k), quoted(&node.label), look(node));
         }
         for edge in &graph.edges {
-            let label = if edge.label.is_empty() { String::new() } else { format!(" [label={}]", quoted(&edge.label)) };
-            let _ = writeln!(out, "    {} -> {}{label};", id(edge.from), id(edge.to));
+            let _ = writeln!(out, "    {} -> {}{};", id(edge.from), id(edge.to), attributes(edge));
         }
         out += "  }\n";
     }
     out + "}\n"
 }
 
+fn attributes(edge: &Edge) -> String {
+    let label = (!edge.label.is_empty()).then(|| format!("label={}", quoted(&edge.label)));
+    let wrong = edge.is_wrong.then(|| "style=dashed, color=\"#c63d0f\", fontcolor=\"#c63d0f\"".to_owned());
+    let all: Vec<String> = label.into_iter().chain(wrong).collect();
+    if all.is_empty() { String::new() } else { format!(" [{}]", all.join(", ")) }
+}
+
 fn look(node: &Node) -> &'static str {
     match node.shape {
         Shape::State => "",
         Shape::Initial => ", peripheries=2",
+        Shape::Nowhere => ", style=dashed, color=\"#c63d0f\"",
         Shape::When => ", shape=note",
         Shape::Operator => ", shape=box, style=rounded",
         Shape::Condition => ", shape=box",

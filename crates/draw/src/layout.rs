@@ -206,7 +206,7 @@ impl Net {
                 offset += (self.sizes[nodes[at - 1]].0 + self.sizes[node].0) / 2.0 + GAP.0;
             }
             offsets.push(offset);
-            let mut run = (wish(self, node).unwrap_or(self.middles[node].0 + offset) - offset, 1);
+            let mut run = (wish(self, node).unwrap_or(self.middles[node].0) - offset, 1);
             while let Some(&(mean, count)) = runs.last()
                 && mean > run.0
             {
@@ -388,6 +388,14 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn what_nothing_leads_to_stands_beside_the_rest() {
+        let (size, label) = ((100.0, 30.0), Some((200.0, 16.0)));
+        let wanted = Wanted { boxes: vec![size; 4], arrows: vec![(0, 2, label), (2, 0, label), (2, 3, None)] };
+        let laid = layout(&wanted);
+        assert!(laid.size.0 < 600.0, "{laid:?}");
     }
 
     #[test]

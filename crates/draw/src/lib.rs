@@ -51,6 +51,8 @@ pub enum Shape {
     State,
     /// The one that it begins in.
     Initial,
+    /// Where a machine is that is in none of its states.
+    Nowhere,
     /// When obligations arise.
     When,
     /// An operator.
@@ -74,6 +76,8 @@ pub struct Edge {
     pub to: usize,
     /// What stands at it; may be empty.
     pub label: String,
+    /// Whether it is a way that was taken although the graph does not have it.
+    pub is_wrong: bool,
 }
 
 impl Graph {
@@ -92,8 +96,24 @@ impl Graph {
 
     /// Adds an arrow.
     pub fn edge(&mut self, from: usize, to: usize, label: impl Into<String>) {
-        self.edges.push(Edge { from, to, label: label.into() });
+        self.edges.push(Edge { from, to, label: label.into(), is_wrong: false });
     }
+
+    /// Adds a way that was taken although the graph does not have it.
+    pub fn wrong(&mut self, from: usize, to: usize, label: impl Into<String>) {
+        self.edges.push(Edge { from, to, label: label.into(), is_wrong: true });
+    }
+
+    /// The first line of a node's label: what it is called.
+    pub fn name(&self, node: usize) -> &str {
+        self.nodes.get(node).and_then(|n| n.label.lines().next()).unwrap_or_default()
+    }
+}
+
+/// A graph as an element of an HTML page, whose styles say how it looks: `.state`, `.initial` and `.nowhere` are boxes, `.arrow` and `.head` arrows, `.wrong` what
+/// was a wrong way, `.ground` what is behind a label. `id` is the page's, for this graph alone; `told` is what a reader hears who does not see it.
+pub fn figure(graph: &Graph, id: &str, told: &str) -> String {
+    svg::figure(graph, id, told)
 }
 
 /// One document with all the graphs; `name` is what it is called.

@@ -15,10 +15,7 @@ pub(super) fn document(graphs: &[Graph]) -> String {
 fn states(graphs: &[Graph]) -> String {
     let mut out = String::from("stateDiagram-v2\n");
     for graph in graphs {
-        let id = |node: usize| {
-            let name = graph.nodes.get(node).and_then(|n| n.label.lines().next()).unwrap_or_default();
-            format!("{}_{name}", graph.title)
-        };
+        let id = |node: usize| format!("{}_{}", graph.title, graph.name(node));
         let _ = writeln!(out, "  state {} {{", graph.title);
         for remark in &graph.remarks {
             let _ = writeln!(out, "    %% lapwing: {}", remark.replace('\n', " "));
@@ -48,7 +45,8 @@ fn flow(graphs: &[Graph]) -> String {
         }
         for edge in &graph.edges {
             let label = if edge.label.is_empty() { String::new() } else { format!("|\"{}\"|", escaped(&edge.label)) };
-            let _ = writeln!(out, "    {} -->{label} {}", id(edge.from), id(edge.to));
+            let line = if edge.is_wrong { "-.->" } else { "-->" };
+            let _ = writeln!(out, "    {} {line}{label} {}", id(edge.from), id(edge.to));
         }
         out += "  end\n";
     }
@@ -58,7 +56,7 @@ fn flow(graphs: &[Graph]) -> String {
 fn boxed(node: &Node) -> String {
     let label = escaped(&node.label);
     match node.shape {
-        Shape::State | Shape::Operator => format!("(\"{label}\")"),
+        Shape::State | Shape::Nowhere | Shape::Operator => format!("(\"{label}\")"),
         Shape::Initial => format!("(((\"{label}\")))"),
         Shape::When => format!("{{{{\"{label}\"}}}}"),
         Shape::Condition | Shape::Component => format!("[\"{label}\"]"),

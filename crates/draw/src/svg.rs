@@ -12,6 +12,8 @@ const LINE: f64 = 16.0;
 const PADDING: Size = (12.0, 8.0);
 /// What is around everything.
 const MARGIN: f64 = 20.0;
+/// What is around a graph in a page, for the lines of its boxes.
+const EDGE: f64 = 2.0;
 /// The height of a title.
 const TITLE: f64 = 34.0;
 /// Labels are broken into lines that are not much longer, in characters.
@@ -25,6 +27,7 @@ text { font: 12px ui-monospace, Menlo, Consolas, 'DejaVu Sans Mono', monospace; 
 .title { font: 600 15px system-ui, sans-serif; }
 rect, path.arrow { fill: none; stroke: currentColor; stroke-width: 1.2; }
 path.arrow { stroke: #6e7781; } .head { fill: #6e7781; }
+.wrong path.arrow, .nowhere rect { stroke: #c63d0f; stroke-dasharray: 5 3; } .wrong text, .head.wrong { fill: #c63d0f; }
 .state rect { fill: #ddf4ff; stroke: #0969da; } .initial rect { fill: #ddf4ff; stroke: #0969da; stroke-width: 3; }
 .when rect { fill: #fff8c5; stroke: #9a6700; } .operator rect { fill: #f6f8fa; stroke: #6e7781; }
 .condition rect, .port rect { fill: #dafbe1; stroke: #1a7f37; }
@@ -36,6 +39,7 @@ svg { background: #0d1117; color: #e6edf3; }
 .operator rect { fill: #161b22; stroke: #8b949e; } .condition rect, .port rect { fill: #033a16; stroke: #3fb950; }
 .component rect { fill: #161b22; stroke: #e6edf3; } .task rect { fill: #3b2300; stroke: #d29922; }
 rect.ground { fill: #0d1117; }
+.wrong path.arrow, .nowhere rect { stroke: #ff7d47; } .wrong text, .head.wrong { fill: #ff7d47; }
 }
 ";
 
@@ -51,7 +55,7 @@ pub(super) fn document(name: &str, graphs: &[Graph]) -> String {
             "<g transform=\"translate({MARGIN} {y:.1})\">\n<text class=\"title\" x=\"0\" y=\"14\">{}</text>\n<g transform=\"translate(0 {TITLE})\">",
             escaped(&graph.title)
         );
-        boxes.draw(graph, &laid, &mut body);
+        boxes.draw(graph, &laid, "head", &mut body);
         body += "</g>\n</g>\n";
         width = width.max(laid.size.0).max(graph.title.chars().count() as f64 * CHARACTER * 1.3);
         y += TITLE + laid.size.1 + MARGIN;
@@ -59,10 +63,37 @@ pub(super) fn document(name: &str, graphs: &[Graph]) -> String {
     let (width, height) = (width + 2.0 * MARGIN, y);
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\" \
-         role=\"img\">\n<title>{}</title>\n<style>\n{STYLE}</style>\n<defs><marker id=\"head\" viewBox=\"0 0 10 10\" refX=\"9\" refY=\"5\" \
-         markerWidth=\"7\" markerHeight=\"7\" orient=\"auto\"><path class=\"head\" d=\"M0 0L10 5L0 10z\"/></marker></defs>\n{body}</svg>\n",
-        escaped(name)
+         role=\"img\">\n<title>{}</title>\n<style>\n{STYLE}</style>\n{}{body}</svg>\n",
+        escaped(name),
+        heads("head")
     )
+}
+
+/// One graph without styles, for a page that has its own.
+pub(super) fn figure(graph: &Graph, id: &str, told: &str) -> String {
+    let boxes = Boxes::of(graph);
+    let laid = layout(&boxes.wanted);
+    let (width, height) = (laid.size.0 + 2.0 * EDGE, laid.size.1 + 2.0 * EDGE);
+    let (id, mut body) = (escaped(id), String::new());
+    boxes.draw(graph, &laid, &id, &mut body);
+    format!(
+        "<svg width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"{:.0} {:.0} {width:.0} {height:.0}\" role=\"img\" aria-label=\"{}\">\n{}{body}</svg>\n",
+        -EDGE,
+        -EDGE,
+        escaped(told),
+        heads(&id)
+    )
+}
+
+/// The heads of arrows, and of those that are wrong.
+fn heads(id: &str) -> String {
+    let head = |id: &str, class: &str| {
+        format!(
+            "<marker id=\"{id}\" viewBox=\"0 0 10 10\" refX=\"9\" refY=\"5\" markerWidth=\"7\" markerHeight=\"7\" \
+             orient=\"auto\"><path class=\"{class}\" d=\"M0 0L10 5L0 10z\"/></marker>"
+        )
+    };
+    format!("<defs>{}{}</defs>\n", head(id, "head"), head(&format!("{id}-wrong"), "head wrong"))
 }
 
 /// The texts of a graph in lines, with what room they take.
@@ -88,12 +119,18 @@ impl Boxes {
         Boxes { nodes, labels, wanted: Wanted { boxes, arrows } }
     }
 
-    fn draw(&self, graph: &Graph, laid: &Layout, out: &mut String) {
+    /// Draws everything; `head` is what the heads of arrows are called.
+    fn draw(&self, graph: &Graph, laid: &Layout, head: &str, out: &mut String) {
         for ((edge, way), (label, place)) in
             graph.edges.iter().zip(&laid.arrows).zip(self.labels.iter().zip(&laid.labels))
         {
             let path = if edge.from == edge.to { self.loop_of(edge.from, laid) } else { curve(way) };
-            let _ = writeln!(out, "<path class=\"arrow\" marker-end=\"url(#head)\" d=\"{path}\"/>");
+            let kind = if edge.is_wrong { "-wrong" } else { "" };
+            if edge.is_wrong {
+                let said = format!("{} to {}: {}", graph.name(edge.from), graph.name(edge.to), edge.label);
+                let _ = writeln!(out, "<g class=\"wrong\"><title>{}</title>", escaped(&said));
+            }
+            let _ = writeln!(out, "<path class=\"arrow\" marker-end=\"url(#{head}{kind})\" d=\"{path}\"/>");
             match place {
                 Some(place) => label_at(label, *place, out),
                 None if edge.from == edge.to && !label.is_empty() => {
@@ -101,6 +138,9 @@ impl Boxes {
                     label_at(label, (x + width / 2.0 + LOOP * 0.8 + text_size(label).0 / 2.0, y), out);
                 }
                 None => {}
+            }
+            if edge.is_wrong {
+                *out += "</g>\n";
             }
         }
         for (number, (node, (x, y))) in graph.nodes.iter().zip(&laid.boxes).enumerate() {
@@ -197,6 +237,7 @@ fn class(shape: Shape) -> &'static str {
     match shape {
         Shape::State => "state",
         Shape::Initial => "initial",
+        Shape::Nowhere => "nowhere",
         Shape::When => "when",
         Shape::Operator => "operator",
         Shape::Condition => "condition",
@@ -208,7 +249,7 @@ fn class(shape: Shape) -> &'static str {
 
 fn corner(shape: Shape) -> u32 {
     match shape {
-        Shape::State | Shape::Initial => 14,
+        Shape::State | Shape::Initial | Shape::Nowhere => 14,
         Shape::Operator | Shape::Task | Shape::Port => 8,
         Shape::When | Shape::Condition | Shape::Component => 2,
     }

@@ -130,7 +130,9 @@ impl Core {
         limit: usize,
         tell: &mut impl Observer,
     ) {
-        if self.rests {
+        if self.rests && !plan.at.slices.is_empty() {
+            self.step_resting((plan, automaton), inputs, due.ops, when, tell);
+        } else if self.rests {
             self.step_at_rest((plan, automaton), inputs, due, when, tell);
         } else if self.idles {
             self.step_idle((plan, automaton), inputs, due.ops, when, limit, tell);
@@ -217,7 +219,7 @@ impl Core {
     ) {
         let word = self.walk.word();
         self.walk.pass_over(when.before);
-        self.walk.run(automaton, here(plan, inputs, when.now, &[]), due);
+        self.walk.run(automaton, here(plan, inputs, when.now, &self.key), due);
         let is_same = (word ^ self.walk.word()) & plan.verdicts == 0;
         if !is_same || self.spoilt_by != self.walk.faults.len() {
             self.turn(plan, inputs, when, word, tell);

@@ -10,8 +10,8 @@ use crate::program::{At, Bound, FutureKind, Group, LookKind};
 impl Group {
     /// Whether it may idle at all: nothing in it depends on how long its segments have lasted, or runs at every position.
     pub(crate) fn may_idle(&self) -> bool {
-        let untimed = self.at.alphabet.is_none() && self.at.slices.is_empty();
-        let is_wired = self.at.wiring.as_ref().is_some_and(|wiring| wiring.always == 0);
+        let untimed = self.at.alphabet.is_none();
+        let is_wired = self.at.wiring.as_ref().is_some_and(|wiring| wiring.restless == 0);
         let steady = self.trackers.iter().all(|t| matches!(t.at, At::First | At::All));
         !self.is_plain() && untimed && is_wired && steady && self.looks_stand_still() && self.futures_stand_still()
     }

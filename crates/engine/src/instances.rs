@@ -2,8 +2,11 @@
 //!
 //! Without slices there is one, and it stays as it is. With slices there may be thousands, of which an event concerns one or two: they lie
 //! packed on a shelf ([`mod@crate::pack`]), and the one that is stepped is unpacked into the bench that all share. What keeps much, such as a
-//! long window, is not packed but has a core of its own, for packing costs in proportion to what there is;
-//! and so has every instance of what reads signals as well, and is stepped at every instant.
+//! long window, is not packed but has a core of its own, for packing costs in proportion to what there is.
+//!
+//! What reads signals as well has a position at every instant. But where nothing in it is due at one, and no event concerns it, that only counts, as for
+//! any group that rests or idles: such an instance lies [`still`](Instances::still) until a signal changes, a bound runs out, or an event concerns it. Where
+//! some operator has to look at every instant nobody lies still, and every instance has a core of its own.
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -14,9 +17,10 @@ use serde::{Deserialize, Serialize};
 use crate::automaton::{Automaton, Place};
 use crate::earliest::Earliest;
 use crate::group::Core;
-use crate::inputs::Inputs;
+use crate::inputs::{Due, Inputs};
 use crate::keys::Keys;
 use crate::pack::{Pack, Packer, Unpacker};
+use crate::past::NOW;
 use crate::program::{Group, Positions};
 
 /// At most so many instances of a property under `for each` over values.
@@ -31,6 +35,9 @@ pub(crate) struct Instances {
     shelf: Vec<Kept>,
     keys: Keys,
     deadlines: Earliest,
+    /// Of what reads signals: until when each of those on the shelf lies still, if no event concerns it and no signal changes; `None` where all have to
+    /// be visited at every instant.
+    still: Option<Earliest>,
     /// Those that count as instances, in the order in which their values were seen.
     seen: Vec<u32>,
     pub(crate) too_many: bool,
@@ -51,7 +58,7 @@ pub(crate) struct Instances {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 enum Kept {
     Packed(Box<[u8]>),
-    /// It is never packed, or did not fit once.
+    /// It is never packed, or did not fit.
     Whole(Box<Core>),
 }
 
@@ -73,6 +80,7 @@ impl Instances {
             shelf: Vec::new(),
             keys: Keys::new(plan.at.slices.len()),
             deadlines: Earliest::default(),
+            still: (plan.at.alphabet.is_none() && (plan.rests || plan.idles)).then(Earliest::default),
             seen: Vec::new(),
             too_many: false,
             automaton: Automaton::default(),
@@ -82,9 +90,11 @@ impl Instances {
         };
         if !plan.at.slices.is_empty() {
             new.keys.add_template();
+            new.lies_until(0, NOW);
             let mut bytes = Box::default();
-            // Where every instant may be everybody's position nobody lies still: packing would cost time at each.
-            let is_packed = plan.at.alphabet.is_some() && new.packer.pack(&new.core, &mut bytes);
+            // Where nobody lies still packing would cost time at every instant.
+            let may_lie = plan.at.alphabet.is_some() || new.still.is_some();
+            let is_packed = may_lie && new.packer.pack(&new.core, &mut bytes);
             new.shelf.push(if is_packed { Kept::Packed(bytes) } else { Kept::Whole(Box::new(new.core.clone())) });
         }
         new
@@ -104,22 +114,88 @@ impl Instances {
         }
         for number in 0..self.shelf.len() {
             self.visit(number, &mut step);
+            self.lies_until(number, NOW);
         }
     }
 
-    /// Calls with each instance whose position this instant may be: not with those that see none of its events.
+    /// Calls with each instance to which this instant, at which `due` is what changed signals made due, may be more than one to count: not with
+    /// those that see none of its events.
     #[inline]
     pub fn for_each_concerned(
         &mut self,
         at: &Positions,
         inputs: &Inputs,
+        (now, due): (i64, Due),
         mut step: impl FnMut(&mut Core, &mut Automaton),
     ) {
-        if self.shelf.is_empty() || !self.find_concerned(at, inputs) {
+        if self.shelf.is_empty() {
+            return step(&mut self.core, &mut self.automaton);
+        }
+        let is_known = self.find_concerned(at, inputs);
+        if self.still.is_some() {
+            return self.for_each_restless(is_known, (now, due), step);
+        }
+        if !is_known {
             return self.for_each(step);
         }
         for i in 0..self.concerned.len() {
             self.visit(self.concerned[i] as usize, &mut step);
+        }
+    }
+
+    /// Calls with those that do not lie still: everybody where a signal changed, those whose bounds run out, those whom an event concerns, and
+    /// those whom one concerned just before, for it is over now.
+    fn for_each_restless(
+        &mut self,
+        is_known: bool,
+        (now, due): (i64, Due),
+        mut step: impl FnMut(&mut Core, &mut Automaton),
+    ) {
+        let concerned = core::mem::take(&mut self.concerned);
+        let all = due.ops != 0 || !is_known;
+        let mut events = concerned.iter().map(|&number| number as usize).peekable();
+        let mut next = 0;
+        while next < self.shelf.len() {
+            let restless = if all { Some(next) } else { self.still.as_ref().and_then(|s| s.next_until(next, now)) };
+            let Some(number) = restless.into_iter().chain(events.peek().copied()).min() else { break };
+            let until = self.visit(number, |core, automaton| {
+                step(core, automaton);
+                core.rests_until()
+            });
+            let is_concerned = events.next_if_eq(&number).is_some() || !is_known;
+            if is_concerned || until <= now {
+                self.lies_until(number, NOW);
+            } else {
+                self.lies_until(number, until);
+                self.pack_again(number);
+            }
+            next = number + 1;
+        }
+        self.concerned = concerned;
+    }
+
+    /// What had too much open to be packed may have little by now.
+    fn pack_again(&mut self, number: usize) {
+        let Instances { shelf, places, packer, .. } = self;
+        let Some(kept) = shelf.get_mut(number) else { return };
+        let mut bytes = Box::default();
+        if let Kept::Whole(core) = kept
+            && core.margins.is_none()
+            && packer.pack(&**core, &mut bytes)
+        {
+            if places.len() <= number {
+                places.resize(number + 1, Place::default());
+            }
+            places[number] = core.walk.place;
+            *kept = Kept::Packed(bytes);
+        }
+    }
+
+    /// Notes until when one lies still.
+    #[inline]
+    fn lies_until(&mut self, number: usize, until: i64) {
+        if let Some(still) = &mut self.still {
+            still.set(number, Some(until));
         }
     }
 
@@ -132,6 +208,7 @@ impl Instances {
         let mut from = 0;
         while let Some(number) = self.deadlines.next_until(from, now) {
             self.visit(number, |core, _| step(core));
+            self.lies_until(number, NOW);
             from = number + 1;
         }
     }
@@ -145,6 +222,7 @@ impl Instances {
         for number in 0..self.shelf.len() {
             if is_meant(self.keys.of(number)) {
                 self.visit(number, |core, _| step(core));
+                self.lies_until(number, NOW);
             }
         }
     }
@@ -213,11 +291,16 @@ impl Instances {
     /// Finds those that see an event of this instant. Returns whether that may be fewer than all.
     #[inline(never)]
     fn find_concerned(&mut self, at: &Positions, inputs: &Inputs) -> bool {
-        let (Some(slice), Some(alphabet)) = (at.slices.first(), &at.alphabet) else { return false };
-        let Instances { keys, concerned, .. } = self;
+        let Instances { keys, concerned, still, .. } = self;
         concerned.clear();
-        for event in alphabet.iter().filter_map(|&event| inputs.events.get(event).map(|state| (event, state))) {
-            let (event, state) = event;
+        let Some(slice) = at.slices.first() else { return false };
+        // Of what lies still all other events are none that it reads.
+        let hidden = slice.hides.iter().map(|(event, _)| event).filter(|_| still.is_some());
+        if at.alphabet.is_none() && still.is_none() {
+            return false;
+        }
+        let events = at.alphabet.iter().flatten().chain(hidden);
+        for (event, state) in events.filter_map(|&event| inputs.events.get(event).map(|state| (event, state))) {
             let field = slice.hides.iter().find(|(hidden, _)| *hidden == event).map(|(_, field)| *field);
             for fields in state.iter() {
                 let value = field.and_then(|field| fields.get(field));
@@ -286,6 +369,7 @@ impl Instances {
             self.shelf.push(kept);
             self.keys.add_like(template, i, value);
             self.deadlines.set(number, self.deadlines.of(template));
+            self.lies_until(number, NOW);
             let place = self.places.get(template).copied().unwrap_or_default();
             self.places.resize(number, Place::default());
             self.places.push(place);

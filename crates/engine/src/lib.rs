@@ -62,7 +62,7 @@ mod world;
 
 pub use feed::{Ending, State};
 pub use functions::{compare, numeric};
-pub use outcome::{Alarm, Episode, Observer, Outcome, Output};
+pub use outcome::{Alarm, Episode, Move, Observer, Outcome, Output};
 pub use program::Program;
 pub use saved::{NotLoaded, NotResumed};
 pub use standing::{GivenUp, Standing};

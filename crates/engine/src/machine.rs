@@ -1,7 +1,6 @@
 //! State diagrams: which state the robot is in, and whether it may go there.
 
 use alloc::format;
-use alloc::string::String;
 use alloc::vec::Vec;
 
 use lapwing_stream::Time;
@@ -10,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::automaton::Automaton;
 use crate::inputs::Inputs;
 use crate::node::View;
-use crate::outcome::{Alarm, Episode, Observer, Output};
+use crate::outcome::{Alarm, Episode, Move, Observer, Output};
 use crate::past::Here;
 use crate::program::{Edge, Machine, MachineState};
 use crate::walk::Walk;
@@ -107,27 +106,21 @@ impl MachineMemory {
         if why.is_none() && from.is_some() {
             self.met += 1;
         }
-        for why in [why, too_soon].into_iter().flatten() {
-            self.fail(plan, now, now, why, inputs, tell);
+        let what = Alarm { property: plan.property, ..Alarm::at(Time(now)) };
+        if let Some(why) = why {
+            let illegal = Some(Move { from, to });
+            self.fail(Alarm { why: Some(why), illegal, ..what.clone() }, inputs, tell);
+        }
+        if let Some(why) = too_soon {
+            self.fail(Alarm { why: Some(why), ..what }, inputs, tell);
         }
         (self.since, self.overstayed) = (now, false);
     }
 
-    fn fail(
-        &mut self,
-        plan: &Machine,
-        began: i64,
-        failed: i64,
-        why: String,
-        inputs: &Inputs,
-        tell: &mut impl Observer,
-    ) {
-        let (began, failed) = (Time(began), Time(failed));
+    fn fail(&mut self, what: Alarm<'_>, inputs: &Inputs, tell: &mut impl Observer) {
         self.failed += 1;
-        self.episodes.push(Episode { failed, began, until: failed, count: 1 });
-        let why = Some(why);
-        let alarm = Alarm { property: plan.property, instance: &[], began, tied: 0, failed, why };
-        tell.output(inputs, Output::Alarm(alarm));
+        self.episodes.push(Episode { failed: what.failed, began: what.began, until: what.failed, count: 1 });
+        tell.output(inputs, Output::Alarm(what));
     }
 
     /// It stands in its initial state, as before its first sample. What it has counted stands.
@@ -157,7 +150,8 @@ impl MachineMemory {
         if let Some(at) = self.deadline(plan, number, inputs).filter(|&at| at < now) {
             self.overstayed = true;
             let name = inputs.machines[number].and_then(|s| plan.states.get(s)).map_or("", |s| &*s.name);
-            self.fail(plan, self.since, at, format!("still in {name}"), inputs, tell);
+            let (began, why) = (Time(self.since), Some(format!("still in {name}")));
+            self.fail(Alarm { property: plan.property, began, why, ..Alarm::at(Time(at)) }, inputs, tell);
         }
     }
 }

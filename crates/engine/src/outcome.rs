@@ -52,14 +52,25 @@ pub struct Alarm<'a> {
     pub tied: u64,
     /// When it failed.
     pub failed: Time,
-    /// A machine's move, where it is one: `illegal transition a -> b`.
+    /// What a machine did, where it is one: `illegal transition a -> b`.
     pub why: Option<String>,
+    /// Where that is a move that its diagram does not have: which.
+    pub illegal: Option<Move>,
+}
+
+/// A machine's move from a state to another, by their numbers; `None` where no state fits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Move {
+    /// The state that it left.
+    pub from: Option<usize>,
+    /// The state that it is in now.
+    pub to: Option<usize>,
 }
 
 impl Alarm<'_> {
     /// What failed where it began.
     pub(crate) fn at(time: Time) -> Self {
-        Alarm { property: 0, instance: &[], began: time, tied: 0, failed: time, why: None }
+        Alarm { property: 0, instance: &[], began: time, tied: 0, failed: time, why: None, illegal: None }
     }
 }
 

@@ -302,8 +302,9 @@ impl Piece {
             if due.ops != 0 || now >= *calm {
                 // Of the instances only those were asked that this instant concerns.
                 *calm = if plan.at.slices.is_empty() { i64::MAX } else { NOW };
-                instances.for_each_concerned(&plan.at, &self.inputs, |core, automaton| {
-                    if due.ops != 0 || now >= core.rests_until() {
+                let is_sliced = !plan.at.slices.is_empty();
+                instances.for_each_concerned(&plan.at, &self.inputs, (now, due), |core, automaton| {
+                    if is_sliced || due.ops != 0 || now >= core.rests_until() {
                         core.step((plan, automaton), &self.inputs, due, when, program.open_limit, tell);
                     }
                     *calm = (*calm).min(core.rests_until());

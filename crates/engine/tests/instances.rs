@@ -39,7 +39,12 @@ struct Many {
     program: Program,
     /// The names of the events and of the fields that are read of them.
     names: Vec<(String, Vec<String>)>,
+    /// The columns that are read, by their numbers among all.
+    columns: Vec<usize>,
 }
+
+/// The signals that there are beside the events.
+const COLUMNS: [&str; 2] = ["battery", "stopped"];
 
 impl Many {
     fn of(text: &str) -> Many {
@@ -49,7 +54,9 @@ impl Many {
         let file = sources.add("test.rv", &*text);
         let loaded = load(&mut sources, lapwing_syntax::parse(file, &text).file, &|_| None);
         let events = EVENTS.map(String::from).to_vec();
-        let checked = check(&sources, &loaded, Some(&TraceShape { schemaless: true, events, ..TraceShape::default() }));
+        let columns = COLUMNS.map(String::from).to_vec();
+        let shape = TraceShape { schemaless: true, events, columns, ..TraceShape::default() };
+        let checked = check(&sources, &loaded, Some(&shape));
         assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
         let first = |path: &[Step]| {
             path.first().map_or(String::new(), |step| match step {
@@ -63,7 +70,15 @@ impl Many {
             .iter()
             .map(|event| (event.name.clone(), event.fields.iter().map(|field| first(&field.path)).collect()))
             .collect();
-        Many { program: compile(&checked.spec), names }
+        let columns = checked.spec.columns.iter().filter_map(|name| COLUMNS.iter().position(|known| known == name));
+        Many { program: compile(&checked.spec), names, columns: columns.collect() }
+    }
+
+    /// A row: a value for each of the [`COLUMNS`].
+    fn row(&self, state: &mut State, at: i64, values: [Value; 2]) {
+        let cells: Vec<Value> = self.columns.iter().map(|&column| values[column].clone()).collect();
+        state.feed(&self.program, Sample { time: Time(at), what: What::Row { cells: &cells } }, &mut ());
+        state.next_deadline(&self.program);
     }
 
     /// An event with these fields, if anything reads it.
@@ -94,6 +109,7 @@ impl Many {
 fn bytes_an_instance(text: &str, robots: u32) -> i64 {
     let many = Many::of(text);
     let mut state = State::new(&many.program);
+    many.row(&mut state, START - 1, [90.0.into(), false.into()]);
     many.play(&mut state, START, 0..1);
     let taken = measure(|| many.play(&mut state, START + 60_000_000_000, 1..robots + 1)).bytes_current;
     let outcomes: Vec<Outcome> = state.finish(&many.program, &Ending::default(), &mut ());
@@ -172,6 +188,88 @@ fn an_instance_fares_as_if_there_were_no_others() {
             let [Value::Num(robot)] = outcome.instance[..] else { panic!("{outcome:?}") };
             outcome.instance.clear();
             let alone = outcomes(&format!("property all over (ready, play): {formula}\n"), Some(robot as u32));
+            assert_eq!(alone, [outcome], "{formula}");
+        }
+    }
+}
+
+/// What reads signals beside the events of its instances.
+const WITH_SIGNALS: &str = "\
+property charged: for each r of play.robot: always (play implies battery > 20)
+property prepared: for each r of play.robot: whenever play, once ready and not stopped
+property arrives: for each r of dribble.robot: whenever dribble, eventually (arrive or turned or battery < 10)
+property stands: for each r of kick.robot: after kick, always (battery > 20 or not stopped)
+";
+
+#[test]
+fn instances_that_read_signals_take_as_little() {
+    let all = bytes_an_instance(WITH_SIGNALS, 1_000);
+    assert!(all < 300, "{all} bytes an instance");
+    for property in WITH_SIGNALS.lines() {
+        let bytes = bytes_an_instance(property, 1_000);
+        assert!(bytes < 300, "{bytes} bytes an instance: {property}");
+    }
+}
+
+/// Formulas over two events with a field and two signals; of some no instance ever lies still.
+const FORMULAS_WITH_SIGNALS: [&str; 11] = [
+    "always (play implies battery > 4)",
+    "always (battery > 1 or once within 3 s ready)",
+    "always (ready.power < 5 implies previously (play or stopped))",
+    "whenever ready and battery > 3, eventually within 2 s (play or stopped)",
+    "always (ready implies next (ready or battery > 2))",
+    "eventually within 4 s (play and delta(battery) >= 0)",
+    "always (play implies max_over(battery, 3 s) > 5)",
+    "after_until ready and ready.power > 4, play, always (battery > 0 or ready.word != \"b\")",
+    "always (@{ready.power, -2} > 3 implies battery > 2 or stopped)",
+    "always (becomes (not ready) implies battery != 7 since within 5 s play)",
+    "always 2 > 1",
+];
+
+/// The outcomes of a text where signals come between what robots do; where one robot is named, what the others do are instants at which nothing comes.
+fn outcomes_with_signals(text: &str, only: Option<u32>) -> Vec<Outcome> {
+    let many = Many::of(text);
+    let mut state = State::new(&many.program);
+    let mut next = support::chance(11);
+    for (n, (at, name, robot, values)) in chances().into_iter().enumerate() {
+        // What robots do begins later than what signals do.
+        for early in 0..if n == 0 { 3 } else { 0 } {
+            many.row(&mut state, at - 3 + early, [Value::Missing, Value::Missing]);
+        }
+        if n < 2 || next().is_multiple_of(5) {
+            let kept = |next: &mut dyn FnMut() -> u64, value: Value| {
+                if n > 2 && next().is_multiple_of(2) { Value::Missing } else { value }
+            };
+            let (battery, stopped) = ((next() % 9) as f64, next().is_multiple_of(3));
+            let cells = [kept(&mut next, battery.into()), kept(&mut next, stopped.into())];
+            many.row(&mut state, at, cells);
+        }
+        if only.is_none_or(|only| only == robot) {
+            let fields =
+                [("robot", f64::from(robot).into()), ("power", values[0].clone()), ("word", values[1].clone())];
+            many.tell(&mut state, at, name, &fields);
+        } else {
+            many.row(&mut state, at, [Value::Missing, Value::Missing]);
+        }
+        if n % 50 == 49 {
+            state = State::resume(&many.program, &state.save(&many.program)).unwrap_or_else(|e| panic!("{e}"));
+        }
+    }
+    let last = chances().last().map_or(0, |last| last.0);
+    state.feed(&many.program, Sample { time: Time(last), what: What::Other }, &mut ());
+    state.finish(&many.program, &Ending::default(), &mut ())
+}
+
+#[test]
+fn an_instance_that_reads_signals_fares_as_if_there_were_no_others() {
+    for formula in FORMULAS_WITH_SIGNALS {
+        let together = outcomes_with_signals(&format!("property all: for each r of ready.robot: {formula}\n"), None);
+        assert_eq!(together.len(), 4, "{formula}");
+        assert!(together.iter().any(|outcome| outcome.positions > 1_000), "{formula}");
+        for mut outcome in together {
+            let [Value::Num(robot)] = outcome.instance[..] else { panic!("{outcome:?}") };
+            outcome.instance.clear();
+            let alone = outcomes_with_signals(&format!("property all: {formula}\n"), Some(robot as u32));
             assert_eq!(alone, [outcome], "{formula}");
         }
     }

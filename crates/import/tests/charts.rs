@@ -326,6 +326,35 @@ fn what_multiplies_is_refused_before_it_does() {
     assert!(came.text.len() < 40_000 && came.text.contains("a -> s29 on e when"), "{}", came.text.len());
 }
 
+#[test]
+fn charts_that_mean_harm_are_refused_or_read_and_no_more() {
+    let depth = 100_000;
+    let nested = |open: &str, close: &str| format!("{}{}", open.repeat(depth), close.repeat(depth));
+    // What an entity stands for is nobody's business but XML's five: nothing is expanded, fetched or repeated.
+    let laughs: String = (1..30).map(|n| format!("<!ENTITY l{n} '&l{};&l{};'>", n - 1, n - 1)).collect();
+    let bomb = format!("<!DOCTYPE scxml [<!ENTITY l0 'ha'>{laughs}]><scxml><state id='&l29;'/></scxml>");
+    let file = "<!DOCTYPE scxml [<!ENTITY f SYSTEM 'file:///etc/passwd'>]><scxml><state id='a&f;'/></scxml>";
+    for (name, text) in [
+        ("m.scxml", bomb),
+        ("m.scxml", file.to_owned()),
+        ("m.scxml", format!("<scxml>{}</scxml>", nested("<state>", "</state>"))),
+        ("m.scxml", format!("<scxml>{}", "<state id='a'>".repeat(depth))),
+        ("m.scxml", format!("<scxml><state id='a' {}/></scxml>", "x='y' ".repeat(depth))),
+        ("m.scxml", format!("<scxml initial='{}'><state id='a'/></scxml>", "a ".repeat(depth))),
+        ("m.scxml", "<!--".repeat(depth)),
+        ("m.mmd", format!("stateDiagram-v2\n{}", nested("state a {\n", "}\n"))),
+        ("m.mmd", format!("stateDiagram-v2\n[*] --> a\na --> b : {}\n", "[".repeat(depth))),
+        ("m.mmd", format!("stateDiagram-v2\nstate {} {{\n--\n}}\n", "\"".repeat(depth))),
+        ("m.md", "```mermaid\n".repeat(depth)),
+    ] {
+        let came = imported(name, &text);
+        assert!(!came.found.is_empty() || came.text.len() < 10_000, "{}", &text[..80]);
+        for secret in ["root:", "haha"] {
+            assert!(!came.text.contains(secret) && !came.found.contains(secret), "{}", came.found);
+        }
+    }
+}
+
 /// The drawing of a specification, if it is one of state diagrams.
 fn drawn(text: &str) -> Option<String> {
     let spec = Spec::parse("a.rv", text, &|_| None).ok()?;

@@ -128,3 +128,34 @@ fn the_least_of_a_margin_over_time_is_the_margin() {
         assert_eq!(told, report.properties[0].margin.filter(|m| m.is_finite()), "{spec}");
     }
 }
+
+#[test]
+fn a_diagram_has_the_moves_that_it_does_not_have() {
+    let spec = "\
+machine gear {
+    initial low
+    state low when speed < 1
+    state mid when speed < 2
+    state high when speed < 3
+    low -> mid
+    mid -> high
+    high -> mid
+}
+never gear == high and speed > 9
+";
+    let trace = "time,speed\n0,0.5\n1,1.5\n2,2.5\n3,0.5\n4,2.5\n5,0.5\n6,7\n7,0.5\n8,1.5\n";
+    let (report, history) = noted(spec, trace);
+    assert_eq!(report.properties[0].violations.len(), 4);
+    let graph = history.courses[0].diagram.as_ref().unwrap();
+    let wrong =
+        graph.edges.iter().filter(|e| e.is_wrong).map(|e| (graph.name(e.from), graph.name(e.to), e.label.as_str()));
+    let expected = [
+        ("low", "undefined", "no state fits, once"),
+        ("low", "high", "illegal, once"),
+        ("high", "low", "illegal, 2 times"),
+    ];
+    assert_eq!(wrong.collect::<Vec<_>>(), expected);
+    assert_eq!((graph.edges.len(), graph.nodes.len()), (6, 4));
+    // What only asks for its state is no diagram.
+    assert_eq!(history.courses[1].diagram, None);
+}

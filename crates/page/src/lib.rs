@@ -16,6 +16,7 @@ mod document;
 mod index;
 
 mod data;
+mod diagram;
 mod property;
 mod run;
 
@@ -24,6 +25,7 @@ mod html;
 
 mod live;
 
+pub use diagram::figure as diagram;
 pub use document::{points, write};
 pub use live::{live, live_policy};
 pub use run::{Entry, entry};

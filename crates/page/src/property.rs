@@ -1,16 +1,18 @@
 //! What is to be read of a property: verdict, source, meaning, and its violations with the values at each.
 
+use lapwing_react::history::Course;
 use lapwing_react::shown::{Origin, cell, count, seconds, value};
 use lapwing_react::{Property, Reading, Report, Role, Violation, details};
 use lapwing_stream::{Time, Verdict};
 
+use crate::diagram;
 use crate::html::{name, text};
 
 /// So many violations of a property are listed.
 pub(crate) const LISTED: usize = 200;
 
-/// The card of a property; `words` say what it means.
-pub(crate) fn card(report: &Report, number: usize, property: &Property, words: &str) -> String {
+/// The card of a property; `course` says what it means, and how it went.
+pub(crate) fn card(report: &Report, number: usize, property: &Property, course: Option<&Course>) -> String {
     let origin = Origin::of(report);
     let is_open = if property.has_failed() || property.verdict == Verdict::Inconclusive { " open" } else { "" };
     let key = key(property);
@@ -21,7 +23,7 @@ pub(crate) fn card(report: &Report, number: usize, property: &Property, words: &
          <div class=\"body\">\n<div class=\"text\">\n\
          <pre class=\"source\"><code>{source}</code></pre>\n\
          <p class=\"place\">{file}:{line}:{column}</p>\n{meaning}{scopes}{found}{remarks}</div>\n\
-         <figure class=\"chart\" data-chart=\"property\" data-property=\"{number}\"></figure>\n\
+         <figure class=\"chart\" data-chart=\"property\" data-property=\"{number}\"></figure>\n{diagram}\
          </div>\n</details>\n",
         badge = badge(property),
         name = self::name(&property.name),
@@ -31,7 +33,11 @@ pub(crate) fn card(report: &Report, number: usize, property: &Property, words: &
         file = text(&property.file),
         line = property.line,
         column = property.column,
-        meaning = meaning(words),
+        meaning = meaning(course.map_or("", |course| course.words.as_str())),
+        diagram = course
+            .and_then(|course| course.diagram.as_ref())
+            .map(|graph| diagram::figure(graph, number))
+            .unwrap_or_default(),
         scopes = scopes(property),
         found = found(report, property, origin),
         remarks = remarks(property),

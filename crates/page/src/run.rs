@@ -47,10 +47,7 @@ fn article(report: &Report, histories: &[History]) -> String {
     let mut order: Vec<usize> = (0..report.properties.len()).collect();
     // Stable: those that came out alike stay in the order of the text.
     order.sort_by_key(|i| urgency(&report.properties[*i]));
-    let card = |i: &usize| {
-        let words = courses.get(*i).map_or("", |course| course.words.as_str());
-        property::card(report, *i, &report.properties[*i], words)
-    };
+    let card = |i: &usize| property::card(report, *i, &report.properties[*i], courses.get(*i).copied());
     let cards: String = order.iter().map(card).collect();
     format!(
         "<header class=\"verdict {standing}\">\n<h1>{headline}</h1>\n<p class=\"trace\">{trace}</p>\n<p class=\"meta\">{meta}</p>\n</header>\n\

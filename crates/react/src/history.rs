@@ -3,6 +3,7 @@
 //! All times here are on one axis that never goes back: it is the recording's own time up to the first jump, and goes on counting from there.
 //! [`Piece`] says which stamps the recording has.
 
+use lapwing_draw::Graph;
 use lapwing_stream::Time;
 
 /// How the signals and properties of one specification went over a recording.
@@ -73,6 +74,8 @@ pub struct Course {
     pub margin: Option<Track>,
     /// For each violation of the report, its times on the axis.
     pub marks: Vec<Mark>,
+    /// Of a state diagram: the diagram, with the moves that were made although it does not have them.
+    pub diagram: Option<Graph>,
 }
 
 /// A stretch of time in which a property stood in one way.

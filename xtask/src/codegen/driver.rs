@@ -28,11 +28,14 @@ fn rust_runner(number: usize, monitor: &Generated) -> String {
             format!("            {i} => {{ inputs.{} = {value};{has} }}\n", member.name)
         })
         .collect();
-    RUST_RUNNER.replace("NUMBER", &number.to_string()).replace("SETS", &sets)
+    let arrays = monitor.interface.arrays.iter().enumerate();
+    let arrays: String =
+        arrays.map(|(i, array)| format!("                    \"{i}\" => inputs.{}(&of),\n", array.setter)).collect();
+    RUST_RUNNER.replace("NUMBER", &number.to_string()).replace("SETS", &sets).replace("ARRAYS", &arrays)
 }
 
 const RUST_RUNNER: &str = r#"
-#[allow(unused_mut, unused_variables)]
+#[allow(unused_mut, unused_variables, unreachable_code)]
 fn runNUMBER<'a>(lines: &mut impl Iterator<Item = &'a str>) {
     let mut monitor = mNUMBER::Monitor::new();
     for line in lines {
@@ -41,6 +44,14 @@ fn runNUMBER<'a>(lines: &mut impl Iterator<Item = &'a str>) {
         let time = words.next().map_or(0, |w| w.parse().expect("a time"));
         let mut inputs = mNUMBER::Inputs::default();
         for (member, value) in words.filter_map(|w| w.split_once('=')) {
+            if let Some(array) = member.strip_prefix('a') {
+                let of = value.split(';').filter(|x| !x.is_empty());
+                let of: Vec<f64> = of.map(|x| x.parse().expect("an element")).collect();
+                match array {
+ARRAYS                    _ => panic!("no such array"),
+                }
+                continue;
+            }
             let value: f64 = value.parse().expect("a value");
             match member.parse::<usize>().expect("a member") {
 SETS                _ => panic!("no such member"),
@@ -81,7 +92,7 @@ pub fn c(monitors: &[&Generated]) -> String {
     for monitor in monitors {
         text += &format!("#include \"{}.c\"\n", monitor.interface.prefix);
     }
-    text += "static char line[65536];\n";
+    text += "static char line[65536];\nstatic double elements[1024];\n";
     for (number, monitor) in monitors.iter().enumerate() {
         text += &c_runner(number, monitor);
         choices += &format!("        case {number}: run{number}(); break;\n");
@@ -102,9 +113,16 @@ fn c_runner(number: usize, monitor: &Generated) -> String {
         })
         .collect();
     let prefix = &monitor.interface.prefix;
+    let arrays = monitor.interface.arrays.iter().enumerate();
+    let arrays: String = arrays
+        .map(|(i, array)| {
+            format!("                case {i}: {prefix}_{}(&in, elements, count); break;\n", array.setter)
+        })
+        .collect();
     C_RUNNER
         .replace("NUMBER", &number.to_string())
         .replace("SETS", &sets)
+        .replace("ARRAYS", &arrays)
         .replace("UPPER", &prefix.to_uppercase())
         .replace("NAME", prefix)
 }
@@ -119,6 +137,17 @@ static void runNUMBER(void) {
         NAME_inputs in;
         memset(&in, 0, sizeof in);
         while (*at == ' ') {
+            if (at[1] == 'a') {
+                uint32_t count = 0;
+                long array = strtol(at + 2, &at, 10);
+                for (at++; *at != ' ' && *at != '\n'; at += *at == ';') {
+                    elements[count++] = strtod(at, &at);
+                }
+                switch (array) {
+ARRAYS                default: exit(5);
+                }
+                continue;
+            }
             long member = strtol(at, &at, 10);
             double value = strtod(at + 1, &at);
             (void)value;

@@ -1,6 +1,6 @@
 //! A trace in the words that the driver of generated monitors reads, and what it answers.
 //!
-//! A line `m N` begins monitor N, `s TIME MEMBER=VALUE…` is a step, `a TIME` says that time went on, `e` ends. The answer to `e` is a line
+//! A line `m N` begins monitor N, `s TIME MEMBER=VALUE… aARRAY=VALUE;VALUE…` is a step, `a TIME` says that time went on, `e` ends. The answer to `e` is a line
 //! for each property, `VERDICT MET FAILED OPEN BEGAN AT`, and an empty line.
 
 use lapwing_check::checked::{EventSource, InputSource, Spec};
@@ -31,6 +31,12 @@ fn line(spec: &Spec, interface: &Interface, time: Time, arrival: &Arrival) -> Op
             Some(value) => line.push_str(&format!(" {number}={}", number_of(spec, interface, member, &value)?)),
         }
     }
+    for (number, array) in interface.arrays.iter().enumerate() {
+        match found(spec, arrival, From::Input(array.input)) {
+            None | Some(Value::Missing) => {}
+            Some(value) => line.push_str(&format!(" a{number}={}", elements(&value)?)),
+        }
+    }
     Some(line)
 }
 
@@ -46,7 +52,8 @@ fn found(spec: &Spec, arrival: &Arrival, from: From) -> Option<Value> {
         _ => false,
     };
     match from {
-        From::Input(i) => match (&spec.inputs[i].source, arrival) {
+        // What is asked of an array is an input that the specification does not have: it comes with the array.
+        From::Input(i) => match (&spec.inputs.get(i)?.source, arrival) {
             (InputSource::Field { topic, field }, _) => message(*topic)?.get(*field).cloned(),
             (InputSource::Column(column), Arrival::Row { cells }) => cells.get(*column).cloned(),
             _ => None,
@@ -59,6 +66,15 @@ fn found(spec: &Spec, arrival: &Arrival, from: From) -> Option<Value> {
             _ => None,
         },
         From::EventField(..) => None,
+    }
+}
+
+/// An array of numbers.
+fn elements(value: &Value) -> Option<String> {
+    match value {
+        Value::Nums(of) => Some(of.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(";")),
+        Value::List(of) if of.is_empty() => Some(String::new()),
+        _ => None,
     }
 }
 

@@ -165,6 +165,7 @@ mod tests {
             instants: 0,
             lanes: Vec::new(),
             plots: Vec::new(),
+            diagram: None,
         }
     }
 

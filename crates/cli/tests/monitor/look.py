@@ -59,11 +59,11 @@ class Visit:
 
 def shows_how_things_stand(visit, _):
     page = visit.page
-    expect(page.locator("h1")).to_have_text("All 3 properties hold so far")
+    expect(page.locator("h1")).to_have_text("All 4 properties hold so far")
     expect(page.locator("#meta")).to_have_text(re.compile(r"for [\d.]+ s, \d+ messages, judged within .* 0 lost"))
     expect(page.locator("#lanes .row .label").nth(0)).to_have_text("calm")
     visit.drawn("#lanes path.fill-holds")
-    assert page.locator("#lanes .row").count() == 4
+    assert page.locator("#lanes .row").count() == 5
     expect(page.locator("#topic-rows tr").first).to_contain_text("Hz")
 
 
@@ -80,13 +80,22 @@ def a_violation_appears_without_a_reload(visit, others):
     once("say /speed 3.5")
     for each in [visit, *others]:
         page = each.page
-        expect(page.locator("h1")).to_have_text(re.compile("2 of 3 properties violated|1 of 3 properties violated"))
+        expect(page.locator("h1")).to_have_text(re.compile("[1-3] of 4 properties violated"))
         expect(page.locator("details[data-name=calm] .badge")).to_contain_text("violated")
         expect(page.locator("#events li").filter(has=page.locator(".violation")).filter(has_text="calm").first).to_contain_text("never speed > 2")
         expect(page.locator("details[data-name=calm] .latest li").first).to_contain_text("speed = 3.5")
         each.drawn("#lanes .row:first-child path.marks")
         each.drawn("#lanes .row:first-child path.fill-violated")
         each.is_clean()
+
+
+def an_illegal_move_is_drawn(visit, others):
+    for each in [visit, *others]:
+        card = each.page.locator("details[data-name=gear]")
+        expect(card.locator("figure.diagram g.wrong text")).to_have_text(re.compile("illegal, "))
+        expect(card.locator("figure.diagram li")).to_have_text(re.compile("^second → first: illegal, "))
+        assert card.locator("figure.diagram path.arrow").count() == 2
+        expect(card.get_by_role("img", name=re.compile("State diagram of gear: first to second .*; second to first"))).to_be_visible()
 
 
 def a_deadline_that_passes_appears_too(visit, _):
@@ -97,7 +106,7 @@ def a_deadline_that_passes_appears_too(visit, _):
 
 def what_a_robot_says_is_only_text(visit, _):
     say("do say /speed 1;tell /word <img src=x onerror=alert(1)>")
-    expect(visit.page.locator("h1")).to_have_text("All 3 properties violated")
+    expect(visit.page.locator("h1")).to_have_text("All 4 properties violated")
     expect(visit.page.locator("details[data-name=polite] .latest")).to_contain_text("<img src=x onerror=alert(1)>")
     assert visit.page.locator("img").count() == 0
     say("do say /speed 1;tell /word hello")
@@ -180,7 +189,7 @@ def the_end_is_told(visit, _):
 
 
 CHECKS = [
-    shows_how_things_stand, plots_signals, a_violation_appears_without_a_reload, a_deadline_that_passes_appears_too, what_a_robot_says_is_only_text,
+    shows_how_things_stand, plots_signals, a_violation_appears_without_a_reload, an_illegal_move_is_drawn, a_deadline_that_passes_appears_too, what_a_robot_says_is_only_text,
     it_can_be_held, a_cursor_tells_values, what_cannot_be_seen_is_told, light_and_dark, narrow, the_browser_forgets_as_well, the_end_is_told,
 ]
 

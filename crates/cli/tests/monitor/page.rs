@@ -16,6 +16,12 @@ decl word /word String.data
 calm: never speed > 2
 polite: never word == \"<img src=x onerror=alert(1)>\"
 slow: whenever becomes speed > 1.5, eventually within 1 s speed < 1
+machine gear {
+  initial first
+  state first when speed < 3
+  state second when speed >= 3
+  first -> second
+}
 ";
 
 #[test]
@@ -61,7 +67,7 @@ fn a_person_sees_what_happens_when_it_happens() {
             _ => panic!("{line}"),
         }
     }
-    assert!(checks >= 10, "{checks} checks");
+    assert!(checks >= 11, "{checks} checks");
     let ended = lapwing.ends_by("INT");
     assert_eq!(ended.code, 1, "{}", ended.stdout);
 }

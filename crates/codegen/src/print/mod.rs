@@ -1,5 +1,6 @@
 //! From the intermediate form to text. What the languages share stands here; what they spell differently is a [`Syntax`].
 
+mod arrays;
 mod c;
 mod prelude;
 mod rust;
@@ -9,8 +10,9 @@ pub(crate) use rust::{needs_libm, rust};
 
 use std::collections::BTreeSet;
 
+use crate::Interface;
 use crate::code::{Bin, Expr, Function, Helper, Stmt, Ty, Unit};
-use crate::prune::{below, locals_of, reads, reads_inputs};
+use crate::prune::{below, locals_of, reads_inputs};
 
 /// The widest line, in characters, that comments are broken at.
 const WIDTH: usize = 110;
@@ -225,7 +227,7 @@ impl<'u, S: Syntax> Writer<'u, S> {
     }
 
     /// An operand, in brackets where it is not simple.
-    fn operand(&self, e: &Expr, under: Option<Bin>) -> String {
+    pub fn operand(&self, e: &Expr, under: Option<Bin>) -> String {
         let text = self.expr(e);
         let is_chain = matches!((e, under), (Expr::Bin(a, ..), Some(b)) if *a == b && chains(b));
         let is_negative = matches!(e, Expr::Int(i) if *i < 0) || matches!(e, Expr::Float(x) if x.is_sign_negative());
@@ -265,19 +267,17 @@ fn sign(op: Bin) -> &'static str {
 }
 
 /// The functions of the prelude that are called, those included that they call.
-fn helpers(unit: &Unit) -> BTreeSet<Helper> {
+fn helpers(unit: &Unit, interface: &Interface) -> BTreeSet<Helper> {
     let mut found = BTreeSet::new();
-    for function in &unit.functions {
-        reads(&function.body, &mut |e| {
-            below(e, &mut |e| {
-                if let Expr::Call(helper, _) = e {
-                    found.insert(*helper);
-                    if matches!(helper, Helper::Least | Helper::Greatest) {
-                        found.insert(Helper::IsNan);
-                    }
+    arrays::expressions(unit, interface, &mut |e| {
+        below(e, &mut |e| {
+            if let Expr::Call(helper, _) = e {
+                found.insert(*helper);
+                if matches!(helper, Helper::Least | Helper::Greatest) {
+                    found.insert(Helper::IsNan);
                 }
-            })
-        });
-    }
+            }
+        })
+    });
     found
 }

@@ -1,13 +1,13 @@
 //! Rust: a module for `no_std` crates, without `unsafe` and without dependencies, but for `libm` where a formula has trigonometry.
 
 use super::prelude::spelling;
-use super::{Syntax, Writer, helpers};
+use super::{Syntax, Writer, arrays, helpers};
 use crate::Interface;
 use crate::code::{Expr, Function, Helper, Ty, Unit};
 use crate::interface::{CAUSES, VERDICTS};
 use crate::prune::PUBLIC;
 
-struct Rust;
+pub(super) struct Rust;
 
 impl Syntax for Rust {
     fn ty(&self, ty: Ty) -> &'static str {
@@ -123,7 +123,7 @@ pub(crate) fn rust(unit: &Unit, interface: &Interface) -> String {
     inputs(&mut w, interface);
     outcomes(&mut w);
     monitor(&mut w);
-    for helper in helpers(unit) {
+    for helper in helpers(unit, interface) {
         w.lines(spelling(helper).rust_text);
     }
     w.text
@@ -159,6 +159,7 @@ fn inputs(w: &mut Writer<'_, Rust>, interface: &Interface) {
     });
     w.line("}");
     w.line("");
+    arrays::rust(w, interface);
 }
 
 /// Names are the specification's, in whatever case.

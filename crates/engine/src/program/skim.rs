@@ -38,6 +38,7 @@ impl Skim {
             || !group.at.ages.is_empty()
             || !fills
             || !group.rests
+            || !group.at.slices.is_empty()
             || !(1..=Row::COLUMNS).contains(&columns.len())
         {
             return None;

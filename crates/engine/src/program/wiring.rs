@@ -16,8 +16,10 @@ const BITS: usize = u64::BITS as usize;
 pub struct Wiring {
     /// For each operator, those that read it.
     pub readers: Vec<u64>,
-    /// Those that are due at every position.
+    /// Those that are due at every position that is looked at.
     pub always: u64,
+    /// Those among them because of which every position has to be: all but those that read events which have to concern an instance.
+    pub restless: u64,
     /// Those of which a bound may run out.
     pub timed: u64,
     /// Those of which an age may pass a limit.
@@ -147,11 +149,21 @@ impl Group {
 
     /// Whether, where no operator is due, a position need only be counted.
     fn may_rest(&self) -> bool {
-        let untimed = self.at.alphabet.is_none() && self.at.slices.is_empty();
+        let untimed = self.at.alphabet.is_none();
         // An obligation that stops arising at some distance from the start would be a change that nothing announces.
         let steady = self.trackers.iter().all(|t| matches!(t.at, At::First | At::All));
-        let still = self.at.wiring.as_ref().is_some_and(|wiring| wiring.always == 0);
+        let still = self.at.wiring.as_ref().is_some_and(|wiring| wiring.restless == 0);
         self.is_plain() && untimed && steady && still
+    }
+}
+
+impl Positions {
+    /// Whether a property that reads signals as well has an instance for each value of a field of this event.
+    fn concerns_some(&self, event: usize) -> bool {
+        match &self.slices[..] {
+            [slice] if self.alphabet.is_none() => slice.hides.iter().any(|(hidden, _)| *hidden == event),
+            _ => false,
+        }
     }
 }
 
@@ -273,9 +285,9 @@ impl Wired {
             // What they look back at is due, and so are they until that has settled.
             Op::Delta(node) | Op::Lookback(node, _) if at.alphabet.is_none() => self.reads_node(at, *node, me),
             // An event is over with its instant.
-            Op::Event(_) => self.wiring.always |= me,
+            Op::Event(event) => self.reads_event(at, *event, me),
             // They take in every position.
-            Op::Count(..) | Op::Lookback(..) | Op::Delta(_) | Op::Rate(_) | Op::Window(..) => self.wiring.always |= me,
+            Op::Count(..) | Op::Lookback(..) | Op::Delta(_) | Op::Rate(_) | Op::Window(..) => self.is_restless(me),
         }
     }
 
@@ -289,6 +301,19 @@ impl Wired {
         match self.slots.iter_mut().find(|(s, _)| *s == slot) {
             Some((_, ops)) => *ops |= me,
             None => self.slots.push((slot, me)),
+        }
+    }
+
+    fn is_restless(&mut self, me: u64) {
+        self.wiring.always |= me;
+        self.wiring.restless |= me;
+    }
+
+    /// An event is over with its instant. Of one that concerns some instances the others need not know.
+    fn reads_event(&mut self, at: &Positions, event: usize, me: u64) {
+        self.wiring.always |= me;
+        if !at.concerns_some(event) {
+            self.wiring.restless |= me;
         }
     }
 
@@ -307,14 +332,13 @@ impl Wired {
                     self.wiring.timed |= me;
                     self.wiring.aged |= me;
                 }
-                Node::Event(_)
-                | Node::EventField { .. }
-                | Node::InState { .. }
+                Node::Event(event) | Node::EventField { event, .. } => self.reads_event(at, *event, me),
+                Node::InState { .. }
                 | Node::Updated(_)
                 | Node::Param(_)
                 | Node::Age(_)
                 | Node::Frequency(..)
-                | Node::Fresh(_) => self.wiring.always |= me,
+                | Node::Fresh(_) => self.is_restless(me),
                 Node::Bool(_) | Node::Num(_) | Node::Str(_) | Node::Var(_) => {}
                 Node::Field(of, _) | Node::Index(of, _) | Node::Truth(of) | Node::Neg(of) | Node::Not(of) => {
                     nodes.push(*of);

@@ -24,6 +24,7 @@ use crate::spec::Spec;
 pub(crate) use formula::{Printer, compare};
 
 pub use picture::Picture;
+pub(crate) use picture::diagram;
 
 /// What a specification means, needs and costs.
 #[derive(Clone, Debug, PartialEq)]

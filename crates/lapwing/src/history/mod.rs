@@ -1,7 +1,7 @@
 //! How signals and properties go over a recording, noted on the way in bounded memory: what a page draws.
 //!
 //! What is drawn of each property is planned beforehand ([`plan`]). At each instant the signals are looked at ([`tracks`], [`curve`], [`steps`]). The engine
-//! tells when something fails; beside it the conditions of scopes are judged ([`scopes`]). At the end all of this is put on one axis ([`axis`],
+//! tells when something fails, and which moves a state diagram does not have ([`diagrams`]); beside it the conditions of scopes are judged ([`scopes`]). At the end all of this is put on one axis ([`axis`],
 //! [`alarms`], [`stretches`]).
 //!
 //! While a live run goes on, a [`strip`] hands out what the signals did since it was asked last.
@@ -9,6 +9,7 @@
 mod alarms;
 mod axis;
 mod curve;
+mod diagrams;
 mod exact;
 mod margins;
 mod plan;
@@ -30,6 +31,7 @@ use crate::explain;
 use crate::spec::Spec;
 use alarms::Alarms;
 use axis::Axis;
+use diagrams::Diagrams;
 use margins::Margins;
 use plan::Plan;
 use scopes::Probes;
@@ -49,6 +51,7 @@ pub(crate) struct Recorder {
     axis: Axis,
     tracks: Tracks,
     alarms: Alarms,
+    diagrams: Diagrams,
     margins: Margins,
     starts: Starts,
     probes: Option<Probes>,
@@ -64,6 +67,7 @@ impl Recorder {
             axis: Axis::default(),
             tracks: Tracks::new(&plan.wanted, most),
             alarms: Alarms::default(),
+            diagrams: Diagrams::new(spec, meaning),
             margins: Margins::new(most),
             starts: Starts::new(meaning),
             probes: Probes::new(meaning),
@@ -98,6 +102,7 @@ impl Recorder {
             phases: known.phases(self.axis.pieces()),
             scopes: self.probes.as_ref().map_or_else(Vec::new, |p| p.open(number, STRETCHES)),
             marks,
+            diagram: self.diagrams.of(number),
             margin: self.margins.of(number, &outcome.instance),
             ..self.drawn(number)
         });
@@ -145,7 +150,9 @@ impl Observer for Recorder {
                 self.starts.instant(inputs, stamp, &self.axis);
                 self.tracks.instant(inputs, self.axis.now(stamp), &self.plan.wanted);
             }
-            Output::Alarm(Alarm { property, instance, .. }) | Output::Further(Alarm { property, instance, .. }) => {
+            Output::Alarm(Alarm { property, instance, illegal, .. })
+            | Output::Further(Alarm { property, instance, illegal, .. }) => {
+                illegal.into_iter().for_each(|made| self.diagrams.note(property, made));
                 self.alarms.note(property, instance, self.axis.piece());
                 self.margins.keep(property, instance);
                 let groups = self.plan.views.get(property).into_iter().flat_map(|view| &view.groups);

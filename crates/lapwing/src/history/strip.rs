@@ -2,10 +2,12 @@
 //! does not grow with the run; whoever wants to see further back keeps what was handed out.
 
 use lapwing_check::checked;
+use lapwing_draw::Graph;
 use lapwing_engine::inputs::Inputs;
-use lapwing_engine::{Observer, Output};
+use lapwing_engine::{Alarm, Observer, Output};
 use lapwing_react::history::{Plot, Shape, Track};
 
+use super::diagrams::Diagrams;
 use super::plan::Plan;
 use super::tracks::Tracks;
 use crate::spec::Spec;
@@ -17,6 +19,7 @@ const BUCKETS: usize = 2;
 #[derive(Debug)]
 pub(crate) struct Strip {
     plan: Plan,
+    diagrams: Diagrams,
     tracks: Tracks,
     /// Which tracks have come as numbers.
     is_curve: Vec<bool>,
@@ -26,7 +29,8 @@ impl Strip {
     /// Of a specification.
     pub fn new(spec: &Spec, meaning: &checked::Spec) -> Strip {
         let plan = Plan::new(spec, meaning);
-        Strip { tracks: Tracks::new(&plan.wanted, BUCKETS), is_curve: vec![false; plan.wanted.len()], plan }
+        let diagrams = Diagrams::new(spec, meaning);
+        Strip { diagrams, tracks: Tracks::new(&plan.wanted, BUCKETS), is_curve: vec![false; plan.wanted.len()], plan }
     }
 
     /// What the signals did since this was asked last, in the order of their numbers.
@@ -43,13 +47,20 @@ impl Strip {
     pub fn drawn(&self, property: usize) -> (Vec<usize>, Vec<Plot>) {
         self.plan.drawn(property, |track| self.is_curve.get(track).copied().unwrap_or_default())
     }
+
+    /// The diagram of a property that is one, with the illegal moves of the whole run.
+    pub fn diagram(&self, property: usize) -> Option<Graph> {
+        self.diagrams.of(property)
+    }
 }
 
 impl Observer for Strip {
     fn output(&mut self, inputs: &Inputs, output: Output<'_>) {
         match output {
             Output::Instant(stamp) => self.tracks.instant(inputs, stamp, &self.plan.wanted),
-            Output::Alarm(_) | Output::Further(_) => {}
+            Output::Alarm(Alarm { property, illegal, .. }) | Output::Further(Alarm { property, illegal, .. }) => {
+                illegal.into_iter().for_each(|made| self.diagrams.note(property, made));
+            }
             // What was before belongs to another time.
             Output::Jump { .. } => self.tracks = Tracks::new(&self.plan.wanted, BUCKETS),
         }

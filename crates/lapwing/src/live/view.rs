@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use lapwing_draw::Graph;
 use lapwing_engine::GivenUp;
 use lapwing_react::Reading;
 use lapwing_react::history::{Plot, Track};
@@ -60,6 +61,8 @@ pub struct PropertyView {
     pub lanes: Vec<usize>,
     /// The tracks of the view that are drawn as curves.
     pub plots: Vec<Plot>,
+    /// Of a state diagram: the diagram, with the moves that were made although it does not have them.
+    pub diagram: Option<Graph>,
 }
 
 impl PropertyView {
@@ -191,6 +194,7 @@ impl Course<'_> {
                     instants: shift.map_or(0, |shift| shift.run.instants()),
                     lanes: Vec::new(),
                     plots: Vec::new(),
+                    diagram: None,
                 });
             }
         }
@@ -204,7 +208,7 @@ impl Course<'_> {
         let mut properties = properties.iter_mut();
         for (spec, post) in self.posts.iter_mut().enumerate() {
             let names: Vec<String> = post.known().map(|(blank, _)| blank.name.clone()).collect();
-            let mut drawn: BTreeMap<String, (Vec<usize>, Vec<Plot>)> = BTreeMap::new();
+            let mut drawn: BTreeMap<String, (Vec<usize>, Vec<Plot>, Option<Graph>)> = BTreeMap::new();
             for (number, shift) in post.shifts.iter_mut().enumerate() {
                 let own: Vec<(usize, String)> = shift.own().collect();
                 let Some(strip) = shift.run.strip() else { continue };
@@ -215,11 +219,12 @@ impl Course<'_> {
                 for (property, name) in own {
                     let (lanes, plots) = strip.drawn(property);
                     let plot = |plot: Plot| Plot { tracks: plot.tracks.iter().map(moved).collect(), ..plot };
-                    drawn.insert(name, (lanes.iter().map(moved).collect(), plots.into_iter().map(plot).collect()));
+                    let lanes = lanes.iter().map(moved).collect();
+                    drawn.insert(name, (lanes, plots.into_iter().map(plot).collect(), strip.diagram(property)));
                 }
             }
             for (name, property) in names.iter().zip(&mut properties) {
-                (property.lanes, property.plots) = drawn.remove(name).unwrap_or_default();
+                (property.lanes, property.plots, property.diagram) = drawn.remove(name).unwrap_or_default();
             }
         }
     }

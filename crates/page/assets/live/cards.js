@@ -27,8 +27,9 @@ class Card {
     const text = make("div", "text", make("pre", "source", property.text), make("p", "place", `${property.file}:${property.line}`), this.now, this.latest);
     const rows = this.states.flatMap(({ strip, label }) => [label, strip.element]);
     const charts = make("div", "charts", ...rows, ...this.plots.map((plot) => plot.element), this.axis);
+    this.diagram = make("div", "diagrams");
     const heading = make("h3", "", this.badge, make("span", "name", name));
-    this.element = make("details", "property", make("summary", "", heading, this.gist), make("div", "body", text, charts));
+    this.element = make("details", "property", make("summary", "", heading, this.gist), make("div", "body", text, charts, this.diagram));
     this.element.open = isOpen;
     this.element.dataset.name = property.name;
   }
@@ -52,6 +53,8 @@ class Card {
       write(label, !track ? "" : track.kind === "ticks" ? track.name : `${track.name}: ${shownValue(track, sight.cursor ?? sight.to)}`);
       paintStates(strip, track);
     });
+    // The drawing comes as HTML, from the hand that draws the report page's: in it all names are text already.
+    if (this.drawn !== property.diagram) this.diagram.innerHTML = this.drawn = property.diagram;
     this.plots.forEach((plot) => plot.paint(past));
     if (this.plots.length || this.states.length) paintAxis(this.axis);
   }

@@ -164,6 +164,40 @@ def light_and_dark(browser):
     assert seen["light"] != seen["dark"] and seen["light"] == seen["not dark"] and seen["dark"] == seen["not light"], seen
 
 
+def illegal_moves(browser):
+    looks = """selector => { const style = getComputedStyle(document.querySelector(selector));
+                 return [style.stroke, style.strokeDasharray, style.fill]; }"""
+    seen = {}
+    for scheme in ("light", "dark"):
+        with Visit(browser, "drive.html", scheme) as visit:
+            page = visit.page
+            diagram = page.locator("details[data-property='4'] figure.diagram")
+            expect(diagram).to_be_visible()
+            # The other properties are no diagrams.
+            assert page.locator("figure.diagram").count() == 1
+            # What was drawn, what was done besides, and where the robot was lost.
+            assert diagram.locator("path.arrow").count() == 3 and diagram.locator(".wrong path.arrow").count() == 2
+            assert diagram.locator(".state, .initial").count() == 2 and diagram.locator(".nowhere").text_content().strip() == "undefined"
+            drawn, wrong = page.evaluate(looks, ".drawing > svg > .arrow"), page.evaluate(looks, ".drawing .wrong .arrow")
+            assert drawn[1] == "none" and wrong[1] != "none" and drawn[0] != wrong[0], (drawn, wrong)
+            # Its head is there, and red as well.
+            head = diagram.locator(".wrong path.arrow").first.get_attribute("marker-end").removeprefix("url(#").removesuffix(")")
+            assert page.evaluate("id => document.getElementById(id).localName", head) == "marker", head
+            assert page.evaluate(looks, f"#{head} path")[2] == wrong[0], head
+            seen[scheme] = (drawn, wrong)
+            page.locator(".theme").click()
+            seen["not " + scheme] = (page.evaluate(looks, ".drawing > svg > .arrow"), page.evaluate(looks, ".drawing .wrong .arrow"))
+            # Who does not see it hears it, and may read it below.
+            told = page.get_by_role("img", name="State diagram of driver: idle to drive (speed > 0.5 m/s); drive to idle (illegal, once)")
+            expect(told).to_have_count(1)
+            assert diagram.locator("li").all_text_contents() == ["drive → idle: illegal, once", "drive → undefined: no state fits, 2 times"]
+            assert diagram.locator(".wrong title").first.text_content() == "drive to idle: illegal, once"
+            # It stands beside the text, below the charts.
+            chart, box = page.locator("figure[data-property='4']").bounding_box(), diagram.bounding_box()
+            assert box["x"] == chart["x"] and box["y"] >= chart["y"] + chart["height"], (chart, box)
+    assert seen["light"] != seen["dark"] and seen["light"] == seen["not dark"] and seen["dark"] == seen["not light"], seen
+
+
 def narrow(browser):
     with Visit(browser, "drive.html", width=420) as visit:
         visit.drawn()
@@ -176,6 +210,7 @@ def hostile_names(browser):
         visit.drawn()
         page = visit.page
         page.locator("details[data-property='0'] button[data-violation='1']").click()
+        expect(page.locator("figure.diagram .wrong text").first).to_contain_text("</script><script>alert('edge')")
         assert page.locator("img, a[href]:not(.skip)").count() == 0
         expect(page.locator("details[data-property='0'] .name")).to_contain_text("</script><script>alert('name')")
         expect(page.locator("figure[data-property='0'] .annotation-text").first).to_contain_text("</script><script>alert('track')")
@@ -208,11 +243,13 @@ def without_scripts(browser):
     page.goto((FOLDER / "drive.html").as_uri())
     expect(page.get_by_role("heading", level=1)).to_be_visible()
     expect(page.locator("details[data-property='0'] .evidence").first).to_contain_text("2.09")
+    expect(page.locator("figure.diagram svg")).to_be_visible()
+    expect(page.locator("figure.diagram g.wrong").first).to_contain_text("illegal, once")
     context.close()
 
 
 CHECKS = [
-    lanes_and_curves, tooltip, a_click_zooms, a_drawn_stretch_zooms, keyboard, light_and_dark, narrow, hostile_names, several_recordings,
+    lanes_and_curves, tooltip, a_click_zooms, a_drawn_stretch_zooms, keyboard, light_and_dark, illegal_moves, narrow, hostile_names, several_recordings,
     without_scripts,
 ]
 

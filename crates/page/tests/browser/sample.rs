@@ -1,5 +1,6 @@
 //! Reports to draw: a robot on a drive, and one whose names are hostile.
 
+use lapwing_draw::{Graph, Shape as Node};
 use lapwing_react::history::{Course, History, Limit, Mark, Phase, Piece, Plot, Shape, Stand, Track};
 use lapwing_react::{Obligations, Property, Reading, Report, Scope, Topic, Violation, Warning};
 use lapwing_stream::{Time, Value, Verdict};
@@ -113,7 +114,7 @@ pub fn drive() -> (Report, History) {
         },
         Course { phases: whole(Stand::NotStarted), ..Course::default() },
         Course { phases: whole(Stand::Idle), scopes: vec![Some(Vec::new())], plots: vec![plot(0, Vec::new())], ..Course::default() },
-        Course { phases: whole(Stand::Holds), lanes: vec![2, 3], plots: vec![plot(0, Vec::new())], ..course(&report.properties[4]) },
+        Course { phases: whole(Stand::Holds), lanes: vec![2, 3], plots: vec![plot(0, Vec::new())], diagram: Some(diagram()), ..course(&report.properties[4]) },
         Course { phases: whole(Stand::Unmet), ..Course::default() },
     ];
     let history = History { pieces: vec![Piece { from: at(0.0), to: at(LENGTH), stamp: at(0.0) }], tracks, courses };
@@ -155,9 +156,26 @@ pub fn hostile() -> (Report, History) {
     }
     for course in &mut history.courses {
         course.words = evil("words");
+        if let Some(graph) = &mut course.diagram {
+            graph.title = evil("title");
+            graph.nodes.iter_mut().for_each(|node| node.label = evil("node"));
+            graph.edges.iter_mut().for_each(|edge| edge.label = evil("edge"));
+        }
         course.plots.iter_mut().flat_map(|p| &mut p.limits).for_each(|limit| limit.text = evil("limit"));
     }
     (report, history)
+}
+
+/// The driver's states; it went back to the first although no arrow leads there, and was lost once.
+fn diagram() -> Graph {
+    let mut graph = Graph { title: "driver".into(), is_machine: true, ..Graph::default() };
+    let idle = graph.node(Node::Initial, "idle");
+    let drive = graph.node(Node::State, "drive\nat most 5 s");
+    graph.edge(idle, drive, "speed > 0.5 m/s");
+    graph.wrong(drive, idle, "illegal, once");
+    let undefined = graph.node(Node::Nowhere, "undefined");
+    graph.wrong(drive, undefined, "no state fits, 2 times");
+    graph
 }
 
 fn phase(from: f64, to: f64, stand: Stand) -> Phase {

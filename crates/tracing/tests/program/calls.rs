@@ -74,6 +74,24 @@ property pairs: whenever grabs, next grabbed
         same_as_checked(&report, text, lines);
     }
 
+    fn an_early_end_by_a_question_mark_is_no_return_with_a_result() {
+        let text = "event asks = call Kicker::find_ball
+event found = return Kicker::find_ball when result > -100
+event failed = return Kicker::find_ball when error == \"no ball\"
+property pairs over (asks, found): whenever asks, next found
+property told over (asks, failed): whenever asks, next failed
+";
+        let monitor = watched(text);
+        let _ = kicker::find_ball(Some(1.0));
+        let _ = kicker::find_ball(None);
+        let _ = kicker::find_ball(Some(2.0));
+        let report = monitor.finish();
+        // The second call asks, and the third is what comes next; the first and the third do not fail.
+        assert_eq!((verdict(&report, "pairs"), verdict(&report, "told")), ("violated", "violated"));
+        let (pairs, told) = (&said(&report, "pairs").obligations, &said(&report, "told").obligations);
+        assert_eq!((pairs.failed, told.failed, told.open), (1, 1, 1));
+    }
+
     fn the_end_of_a_function_that_records_no_result_is_its_return() {
         let text = "event plays = call Kicker::play
 event played = return Kicker::play

@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, VecDeque};
 
 use lapwing::live::{PropertyView, StateNow, TrackView, View};
+use lapwing_draw::Graph;
 use lapwing_react::Report;
 use lapwing_react::history::{Limit, Shape};
 use lapwing_react::shown::Origin;
@@ -44,6 +45,8 @@ pub struct Past {
 pub struct Lane {
     /// Since when it stands how, with the revision that says so.
     pub changes: VecDeque<(u64, Time, &'static str)>,
+    /// Its state diagram, where it is one, with the revision that brought it as it is.
+    pub diagram: Option<(u64, Graph)>,
     failed: u64,
     instants: u64,
 }
@@ -184,6 +187,9 @@ impl Lane {
         let has_failed = property.failed > self.failed;
         let is_still = property.instants == self.instants;
         (self.failed, self.instants) = (property.failed, property.instants);
+        if self.diagram.as_ref().map(|(_, graph)| graph) != property.diagram.as_ref() {
+            self.diagram = property.diagram.clone().map(|graph| (revision, graph));
+        }
         let last = self.changes.back().map(|(_, _, kind)| *kind);
         let kind = match property.state {
             StateNow::Waiting => "waiting",
@@ -253,6 +259,7 @@ mod tests {
             instants: u64::try_from(now).unwrap(),
             lanes: Vec::new(),
             plots: vec![Plot { tracks: vec![0], limits: Vec::new() }],
+            diagram: None,
         };
         let shape = Shape::Curve(points.iter().map(|(t, x)| (Time(*t), *x)).collect());
         let track = Track { name: "speed".to_owned(), unit: None, shape, is_thinned: false };
@@ -304,6 +311,21 @@ mod tests {
         past.look(&view(9, 0, &[(0, 1.0), (1, 1.0), (2, 1.0), (3, 1.0), (4, 2.0)]));
         let times: Vec<i64> = past.tracks[&(0, 0, 0)].points.iter().map(|(_, at, _)| at.0).collect();
         assert_eq!(times, [0, 3, 4]);
+    }
+
+    #[test]
+    fn a_diagram_is_new_where_another_move_was_made() {
+        let mut past = Past::default();
+        let mut graph = Graph::default();
+        let mut look = |graph: &Graph| {
+            let mut view = view(1, 0, &[]);
+            view.properties[0].diagram = Some(graph.clone());
+            past.look(&view);
+            past.lanes[0].diagram.clone().map(|(revision, graph)| (past.revision - revision, graph.edges.len()))
+        };
+        assert_eq!((look(&graph), look(&graph)), (Some((0, 0)), Some((1, 0))));
+        graph.wrong(0, 0, "illegal, once");
+        assert_eq!((look(&graph), look(&graph)), (Some((0, 1)), Some((1, 1))));
     }
 
     #[test]

@@ -57,6 +57,10 @@ fn properties(view: &View, past: &Past, since: u64, origin: Time) -> Value {
         let changes = changes.filter(|(revision, ..)| *revision > since);
         let mut object = now(property);
         object["changes"] = changes.map(|(_, at, kind)| json!([seconds(*at, origin), kind])).collect();
+        let diagram = past.lanes.get(number).and_then(|lane| lane.diagram.as_ref());
+        if let Some((_, graph)) = diagram.filter(|(revision, _)| is_new || *revision > since) {
+            object["diagram"] = json!(lapwing_page::diagram(graph, number));
+        }
         if let (true, Value::Object(object)) = (is_new, &mut object) {
             object.extend(fixed(property, past.layout().get(number)));
         }

@@ -3,7 +3,7 @@
 use lapwing_check::checked::Machine;
 
 use super::super::formula::Printer;
-use lapwing_draw::{Edge, Graph, Shape};
+use lapwing_draw::{Graph, Shape};
 
 /// The graph of a machine: an arrow says by which event and under which condition, its own or that of the state it leads to.
 pub(super) fn graph(printer: &Printer<'_>, machine: &Machine) -> Option<Graph> {
@@ -20,7 +20,7 @@ pub(super) fn graph(printer: &Printer<'_>, machine: &Machine) -> Option<Graph> {
         let on = edge.on.or(target.on).and_then(event).map(|name| format!("on {name}"));
         let when = edge.when.as_ref().or(target.when.as_ref()).map(|w| printer.print(w));
         let parts: Vec<String> = on.into_iter().chain(when).collect();
-        graph.edges.push(Edge { from: edge.from, to: edge.to, label: parts.join(" when ") });
+        graph.edge(edge.from, edge.to, parts.join(" when "));
     }
     graph.remarks = remarks(printer, machine);
     Some(graph)
