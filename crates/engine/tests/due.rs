@@ -95,7 +95,7 @@ fn ages_are_due_where_they_pass_their_limits() {
             let samples: Vec<(Time, What<'_>)> = rows
                 .iter()
                 .map(|(time, cells)| {
-                    let (topic, values) = if next() % 3 == 0 { (1, &cells[1..]) } else { (0, &cells[..1]) };
+                    let (topic, values) = if next().is_multiple_of(3) { (1, &cells[1..]) } else { (0, &cells[..1]) };
                     (Time(*time), What::Message { topic, values })
                 })
                 .collect();

@@ -102,7 +102,7 @@ fn columns(spec: &checked::Spec) -> Vec<engine::Column> {
     let slots = spec.inputs.iter().enumerate();
     slots
         .filter_map(|(slot, input)| match input.source {
-            InputSource::Column(cell) => Some(engine::Column { cell, slot, ..engine::Column::default() }),
+            InputSource::Column(cell) => Some(engine::Column { cell, slot }),
             _ => None,
         })
         .collect()
