@@ -187,7 +187,10 @@ impl Onlooker for Looker {
                 Some(specs)
             }
             Err(complaint) => {
-                complaint.tell();
+                match &mut self.screen {
+                    Some(screen) => complaint.text().lines().for_each(|line| screen.line(line)),
+                    None => complaint.tell(),
+                }
                 self.note("the specifications stay as they are: what was read again is wrong");
                 None
             }

@@ -22,7 +22,10 @@ pub struct Screen {
 impl Screen {
     /// Takes the terminal over.
     pub fn open() -> io::Result<Screen> {
-        Ok(Screen { terminal: ratatui::try_init()?, lines: VecDeque::new() })
+        let mut terminal = ratatui::try_init()?;
+        // Not every terminal has an empty second screen.
+        terminal.clear()?;
+        Ok(Screen { terminal, lines: VecDeque::new() })
     }
 
     /// Something happened; it is shown with the next view.

@@ -3,9 +3,9 @@
 use std::time::{Duration, Instant};
 
 use super::catalogue::{Arrived, Catalogue};
-use super::name;
 use super::qos::Reading;
 use super::wire::{RawReader, Sample, Wire};
+use super::{name, room};
 use crate::connector::Happening;
 use crate::inbox::Inbox;
 
@@ -34,6 +34,7 @@ pub struct Feed {
     /// The room that its topic has.
     room: i32,
     held: Vec<(Instant, Sample)>,
+    is_advised: bool,
 }
 
 /// What a feed delivers to, and when.
@@ -52,7 +53,16 @@ impl Feed {
     /// A feed of a reader that was made with the [room](Feed::ROOM) of the beginning.
     pub fn new(reader: RawReader, topic: &str, type_name: &str, reading: Reading) -> Feed {
         let (topic, type_name) = (topic.to_owned(), type_name.to_owned());
-        Feed { reader, topic, type_name, reading, is_ready: true, room: Feed::ROOM, held: Vec::new() }
+        Feed {
+            reader,
+            topic,
+            type_name,
+            reading,
+            is_ready: true,
+            room: Feed::ROOM,
+            held: Vec::new(),
+            is_advised: false,
+        }
     }
 
     /// For so many messages there is room before the first one has come.
@@ -92,6 +102,7 @@ impl Feed {
             Arrived::Here { stream, missing } => {
                 if missing > 0 {
                     post.inbox.push(Happening::Lost { stream, count: missing });
+                    self.advise(sample.payload.len(), post.inbox);
                 }
                 self.make_room(post.wire, sample.payload.len());
                 post.inbox.push(Happening::Message { stream, payload: sample.payload });
@@ -106,6 +117,14 @@ impl Feed {
                 let note = format!("a message on {} is left out: its publisher does not make itself known", self.topic);
                 post.inbox.push(Happening::Note(note));
             }
+        }
+    }
+
+    /// Says once what helps, where messages are lost because they are large.
+    fn advise(&mut self, size: usize, inbox: &Inbox) {
+        if !std::mem::replace(&mut self.is_advised, true) {
+            let advice = room::allowed().and_then(|allowed| room::advice(&self.topic, size, allowed));
+            advice.into_iter().for_each(|text| inbox.push(Happening::Note(text)));
         }
     }
 

@@ -15,7 +15,7 @@ use rustdds::{
 use super::cdr::LITTLE;
 use super::graph::{Gid, Node, Participant};
 use super::reach::Reach;
-use super::{graph, qos};
+use super::{graph, qos, room};
 use crate::connector::Refused;
 
 /// Payloads pass as they are, with their encapsulation in front.
@@ -192,7 +192,7 @@ struct Presence {
 impl Wire {
     /// Joins a domain as a node of that name: `/lapwing`, `/robot1/lapwing`.
     pub fn join(reach: Reach, node: &str) -> Result<Wire, Refused> {
-        let mut builder = DomainParticipantBuilder::new(reach.domain);
+        let mut builder = DomainParticipantBuilder::new(reach.domain).socket_receive_buffer_size(room::WANTED);
         if reach.loopback_only {
             builder = builder.with_only_networks([Ipv4Addr::LOCALHOST]);
         }
