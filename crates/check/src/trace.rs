@@ -61,6 +61,11 @@ impl TraceShape {
         if self.live { "in this run" } else { "in this recording" }
     }
 
+    /// Whose it is that is missing, in words.
+    pub(crate) fn of_here(&self) -> &'static str {
+        if self.live { "on the graph" } else { "of this recording" }
+    }
+
     /// The names of all topics that are there.
     pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
         self.topics.iter().map(|t| t.name.as_str()).chain(self.unread.iter().map(String::as_str))

@@ -29,6 +29,9 @@ use crate::watch::Watch;
 /// So many warnings of one kind about one topic are told; further ones only count in verdicts.
 const TOLD: u32 = 20;
 
+/// After this time it is told that nothing is there for a property to read, in nanoseconds.
+const GRACE: i64 = 1_000_000_000;
+
 /// The word for warnings of silence.
 const SILENCE: &str = "silence";
 
@@ -99,6 +102,8 @@ pub(crate) struct Course<'s> {
     /// The stamp of the first message, and of the last thing that was seen.
     heard: Option<Time>,
     last: Option<Time>,
+    /// Whether it was told which properties have nothing to read.
+    has_counted: bool,
     /// How often something was warned of.
     told: BTreeMap<(Option<String>, &'static str), u32>,
     /// The violations that have not been answered yet, where somebody answers.
@@ -131,6 +136,7 @@ impl<'s> Course<'s> {
             is_stale: true,
             heard: None,
             last: None,
+            has_counted: false,
             told: BTreeMap::new(),
             alarms: None,
             violations: 0,
@@ -201,9 +207,15 @@ impl<'s> Course<'s> {
         if self.order.is_some() {
             return None;
         }
+        let counts = self.counts_at().filter(|_| !self.has_counted);
         let shifts = self.posts.iter_mut().flat_map(|post| &mut post.shifts);
         let deadlines = shifts.filter_map(|shift| shift.run.next_deadline());
-        deadlines.chain(self.rhythms.values().filter_map(Rhythm::deadline)).min()
+        deadlines.chain(self.rhythms.values().filter_map(Rhythm::deadline)).chain(counts).min()
+    }
+
+    /// When it is told which properties have nothing to read.
+    fn counts_at(&self) -> Option<Time> {
+        self.first().map(|first| first + Duration::from_nanos(GRACE))
     }
 
     /// How things stand of a property of a specification, all of its instances together.
@@ -475,8 +487,17 @@ impl<'s> Course<'s> {
         }
     }
 
-    /// Tells of topics that have been silent for too long by then.
+    /// Tells, once, which properties cannot be judged and read no topic of which that could be told.
+    fn count(&mut self, now: Time, watch: &mut dyn Watch) {
+        let Some(at) = self.counts_at().filter(|at| !self.has_counted && *at <= now) else { return };
+        self.has_counted = true;
+        let idle: Vec<String> = self.posts.iter().flat_map(Post::idle).collect();
+        idle.into_iter().for_each(|message| self.warn(Warning { at: Some(at), ..Warning::plain(message) }, watch));
+    }
+
+    /// Tells of topics that have been silent for too long by then, and of properties that have none.
     fn silences(&mut self, now: Time, watch: &mut dyn Watch) {
+        self.count(now, watch);
         let due = |(topic, rhythm): (&String, &Rhythm)| {
             rhythm.deadline().filter(|deadline| *deadline <= now).map(|deadline| (deadline, topic.clone()))
         };

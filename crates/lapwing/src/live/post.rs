@@ -76,6 +76,12 @@ impl<'s> Post<'s> {
         self.properties.iter().map(|known| (&known.blank, &known.topics))
     }
 
+    /// Which of its properties cannot be judged though they wait for no topic, and why.
+    pub fn idle(&self) -> impl Iterator<Item = String> {
+        let idle = self.properties.iter().filter(|known| known.topics.is_empty());
+        idle.filter_map(|known| Some(format!("{} cannot be judged: {}", known.blank.name, known.blank.cause.as_ref()?)))
+    }
+
     /// The topics that it wants to read.
     pub fn topics(&self) -> &[Topic] {
         &self.topics

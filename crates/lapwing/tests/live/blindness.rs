@@ -235,3 +235,17 @@ fn times_in_a_cause_are_counted_from_the_beginning_of_the_run() {
     let (_, cause) = over.verdict("calm");
     assert!(cause.starts_with("/odom could not be seen from 1 s to 5"), "{cause}");
 }
+
+#[test]
+fn that_no_topic_matches_is_told() {
+    let spec = "slow: for each r in topics /{r}/speed: never age(/{r}/speed) > 0.4\n";
+    let over = watch(spec, Script::of(4.0));
+    assert!((1.0..1.1).contains(&warned(&over, "slow cannot be judged: no topic on the graph matches /{r}/speed")));
+    assert_eq!(over.verdict("slow").0, Verdict::Inconclusive);
+    over.agrees();
+
+    let script = Script::of(4.0).mentions(0.1, 1, "/a/speed").offers(0.2, 1, "/a/speed");
+    let over = watch(spec, script.keeps_saying(1.5, 3.9, 0.1, 1, 1.0));
+    assert!(!over.told.warnings.iter().any(|(_, text)| text.contains("cannot be judged")), "{:?}", over.told.warnings);
+    over.agrees();
+}
