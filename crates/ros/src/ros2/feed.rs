@@ -6,7 +6,7 @@ use super::catalogue::{Arrived, Catalogue};
 use super::qos::Reading;
 use super::wire::{RawReader, Sample, Wire};
 use super::{name, room};
-use crate::connector::Happening;
+use crate::connector::{Happening, Refused};
 use crate::inbox::Inbox;
 
 /// How many bytes of messages of a topic may wait inside of DDS, and between which numbers of messages that has to lie: the cache counts only
@@ -18,6 +18,14 @@ const TURN: usize = 512;
 /// How many messages wait, and how long, for their publisher to be discovered and their definition to be found.
 const HELD: usize = 256;
 const HELD_FOR: Duration = Duration::from_secs(5);
+
+/// After so many bytes of large messages, or so many of them, a reader is followed by another one, and stays for that long beside it.
+///
+/// RustDDS keeps what comes twice of a large message as one that never becomes whole, for ten seconds, and stops when there are 128 of them: only a
+/// reader's end frees it of them. What both readers hear is delivered once, as messages are numbered.
+const WORN: usize = 160 << 20;
+const WORN_BY: usize = 48;
+const OVERLAP: Duration = Duration::from_secs(1);
 
 /// A reader of a topic.
 pub struct Feed {
@@ -35,6 +43,10 @@ pub struct Feed {
     room: i32,
     held: Vec<(Instant, Sample)>,
     is_advised: bool,
+    /// How much the reader has read of large messages, in bytes.
+    worn: usize,
+    /// The reader before, and since when it is only beside.
+    before: Option<(Instant, RawReader)>,
 }
 
 /// What a feed delivers to, and when.
@@ -62,6 +74,8 @@ impl Feed {
             room: Feed::ROOM,
             held: Vec::new(),
             is_advised: false,
+            worn: 0,
+            before: None,
         }
     }
 
@@ -104,6 +118,9 @@ impl Feed {
                     post.inbox.push(Happening::Lost { stream, count: missing });
                     self.advise(sample.payload.len(), post.inbox);
                 }
+                if room::is_large(sample.payload.len()) {
+                    self.worn += sample.payload.len().max(WORN.div_ceil(WORN_BY));
+                }
                 self.make_room(post.wire, sample.payload.len());
                 post.inbox.push(Happening::Message { stream, payload: sample.payload });
             }
@@ -117,6 +134,27 @@ impl Feed {
                 let note = format!("a message on {} is left out: its publisher does not make itself known", self.topic);
                 post.inbox.push(Happening::Note(note));
             }
+        }
+    }
+
+    /// Has a reader followed that has read so much of large messages; `watch` has the next one watched. Should it not be made, it is tried again with
+    /// the next messages.
+    pub fn renew(&mut self, now: Instant, wire: &Wire, watch: impl FnOnce(&mut RawReader) -> Result<(), Refused>) {
+        if self.before.as_ref().is_some_and(|(since, _)| now >= *since + OVERLAP) {
+            self.before = None;
+        }
+        if self.worn < WORN || self.before.is_some() {
+            return;
+        }
+        self.worn = 0;
+        let ty = name::type_on_wire(&self.type_name).unwrap_or_else(|| self.type_name.clone());
+        let request = self.reading.request(self.room);
+        let Ok(mut next) = wire.read_instead(&name::topic_on_wire(&self.topic), &ty, &request, &self.reader) else {
+            return;
+        };
+        if watch(&mut next).is_ok() {
+            self.before = Some((now, std::mem::replace(&mut self.reader, next)));
+            self.is_ready = true;
         }
     }
 

@@ -8,6 +8,14 @@ pub fn allowed() -> Option<usize> {
     std::fs::read_to_string("/proc/sys/net/core/rmem_max").ok()?.trim().parse().ok()
 }
 
+/// Whether messages of that size come in so many parts that some are likely to be sent twice.
+pub fn is_large(size: usize) -> bool {
+    size > LARGE
+}
+
+/// Less than this fits into a socket at once on most systems.
+const LARGE: usize = 200_000;
+
 /// What helps where messages of a topic are lost that are so large, if it is the room of a socket.
 pub fn advice(topic: &str, size: usize, allowed: usize) -> Option<String> {
     let is_tight = size > allowed && allowed < WANTED;

@@ -257,6 +257,20 @@ impl Wire {
         Ok(reader)
     }
 
+    /// Reads a topic on the wire, as the node, instead of a reader that is to end.
+    pub fn read_instead(
+        &self,
+        topic_name: &str,
+        type_name: &str,
+        qos: &QosPolicies,
+        before: &RawReader,
+    ) -> Result<RawReader, Refused> {
+        let reader = self.read_quietly(topic_name, type_name, qos)?;
+        let (old, new) = (before.guid().to_bytes(), reader.guid().to_bytes());
+        self.tell(|node| node.readers.iter_mut().filter(|gid| **gid == old).for_each(|gid| *gid = new));
+        Ok(reader)
+    }
+
     /// Reads a topic on the wire that is no node's business.
     pub fn read_quietly(&self, topic_name: &str, type_name: &str, qos: &QosPolicies) -> Result<RawReader, Refused> {
         let topic = topic(&self.participant, topic_name, type_name, qos)?;
