@@ -220,7 +220,7 @@ fn shape_of(recording: &Recording) -> TraceShape {
         schemaless: recording.is_schemaless(),
         columns_open: recording.format() == Format::Ndjson,
         events: recording.events().iter().map(|e| e.to_string()).collect(),
-        live: false,
+        ..TraceShape::default()
     }
 }
 

@@ -7,7 +7,8 @@ use lapwing_syntax::ast;
 use crate::checked::{Dim, Event, EventField, EventSource, Expr, Input, Kind, Object, ObjectSource, Path, Topic};
 use crate::context::{Cx, Env};
 use crate::messages::{Known, known_type};
-use crate::trace::{is_type, plain_type};
+use crate::reaction::type_name;
+use crate::trace::{TraceShape, is_type, plain_type};
 use crate::world::DEFAULT_TOPIC;
 use lapwing_diag::suggest;
 
@@ -68,13 +69,13 @@ impl Cx<'_> {
 
     fn missing_topic(&mut self, env: &Env, name: &str, span: Span) {
         let Some(trace) = self.trace else { return };
-        let guess = suggest::nearest(name, trace.topics.iter().map(|t| t.name.as_str()));
+        let guess = suggest::nearest(name, trace.names());
         let question = guess.map(|g| format!("; did you mean {g}?")).unwrap_or_default();
-        let message = format!("no message on {name} in this recording{question}");
-        let topics = trace.topics.iter().map(|t| t.name.as_str());
-        let help = match trace.topics.is_empty() {
-            true => "the recording has no topics at all".to_owned(),
-            false => format!("the recording has {}", suggest::listed(topics)),
+        let message = format!("no message on {name} {}{question}", trace.here());
+        let what = if trace.live { "the graph" } else { "the recording" };
+        let help = match trace.names().next() {
+            None => format!("{what} has no topics at all"),
+            Some(_) => format!("{what} has {}", suggest::listed(trace.names())),
         };
         self.found.blame(message.clone());
         let mut diagnostic = Diagnostic::new(Code::MissingTopic, span, message)
@@ -94,7 +95,8 @@ impl Cx<'_> {
     }
 
     fn other_type(&mut self, env: &Env, name: &str, full: &str, ty: &ast::TypePath) {
-        let message = format!("{name} is a {full} in this recording, not a {}", ty.name.name);
+        let here = self.trace.map_or("", TraceShape::here);
+        let message = format!("{name} is a {full} {here}, not a {}", type_name(ty));
         self.found.blame(message.clone());
         let span = ty.package.as_ref().map_or(ty.name.span, |p| p.span.to(ty.name.span));
         let diagnostic = Diagnostic::new(Code::TopicType, span, message)

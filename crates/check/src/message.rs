@@ -13,7 +13,7 @@ use crate::definitions::Half;
 use crate::messages::{self, Known};
 use crate::place::{describe, field_type};
 use crate::reaction::type_name;
-use crate::trace::{is_type, plain_type};
+use crate::trace::{TraceShape, is_type, plain_type};
 use crate::world;
 use lapwing_diag::suggest;
 
@@ -46,7 +46,8 @@ fn same_type(cx: &mut Cx, env: &Env, to: &Topic, ty: &TypePath) {
         return;
     }
     let full = plain_type(&there.type_name);
-    let message = format!("{} is a {full} in this recording, not a {}", there.name, ty.name.name);
+    let here = cx.trace.map_or("", TraceShape::here);
+    let message = format!("{} is a {full} {here}, not a {}", there.name, type_name(ty));
     let diagnostic = Diagnostic::new(Code::TopicType, ty.span, message).label("who listens there would not understand");
     cx.report(env, diagnostic.help(format!("write `{full}`, and the fields that this type has")));
 }

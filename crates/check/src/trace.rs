@@ -25,6 +25,8 @@ pub struct TraceShape {
     pub events: Vec<String>,
     /// Whether it is a running system and no recording: only there calls, returns and publishers can be seen.
     pub live: bool,
+    /// The names of topics that are there as well but cannot be read: what a misspelt one may have been meant to be.
+    pub unread: Vec<String>,
 }
 
 /// A topic of a trace.
@@ -52,6 +54,21 @@ impl TraceShape {
     /// Whether it is a component system, or a recording of one.
     pub(crate) fn is_of_components(&self) -> bool {
         self.topic(COMPONENTS).is_some()
+    }
+
+    /// Where something is missing, in words.
+    pub(crate) fn here(&self) -> &'static str {
+        if self.live { "in this run" } else { "in this recording" }
+    }
+
+    /// Whose it is that is missing, in words.
+    pub(crate) fn of_here(&self) -> &'static str {
+        if self.live { "on the graph" } else { "of this recording" }
+    }
+
+    /// The names of all topics that are there.
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
+        self.topics.iter().map(|t| t.name.as_str()).chain(self.unread.iter().map(String::as_str))
     }
 
     /// The topic of that name.

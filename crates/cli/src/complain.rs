@@ -33,11 +33,17 @@ impl Complaint {
 
     /// Says it.
     pub fn tell(&self) {
-        match self.rendered {
-            true => say(&self.what),
-            false => say(&format!("error: {}\n", self.what)),
-        }
-        self.help.iter().for_each(|help| say(&format!("  help: {help}\n")));
+        say(&self.text());
+    }
+
+    /// What is to be said, line by line.
+    pub fn text(&self) -> String {
+        let mut text = match self.rendered {
+            true => self.what.clone(),
+            false => format!("error: {}\n", self.what),
+        };
+        text.extend(self.help.iter().map(|help| format!("  help: {help}\n")));
+        text
     }
 }
 

@@ -83,8 +83,7 @@ pub(crate) fn of(property: &Property) -> Vec<String> {
     let mut hints = Vec::new();
     if property.vacuous {
         hints.push(
-            "nothing in this recording put it to the test: check the condition, or record a run in which it happens"
-                .to_owned(),
+            "nothing here put it to the test: check the condition, or record a run in which it happens".to_owned(),
         );
     }
     if property.nans > 0 && property.verdict != Verdict::Inconclusive {

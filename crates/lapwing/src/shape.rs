@@ -35,7 +35,7 @@ pub(crate) fn of(recording: &Recording) -> TraceShape {
         schemaless: recording.is_schemaless(),
         columns_open: recording.format() == Format::Ndjson,
         events: recording.events().iter().map(|e| e.to_string()).collect(),
-        live: false,
+        ..TraceShape::default()
     }
 }
 

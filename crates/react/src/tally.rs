@@ -27,6 +27,8 @@ pub struct Tally {
     pub vacuous: u64,
     /// Recordings of which not everything was looked at.
     pub gaps: u64,
+    /// Whether these are runs of a live robot, and no recordings.
+    pub is_live: bool,
 }
 
 impl Tally {

@@ -105,7 +105,7 @@ fn over_topics(cx: &Cx, all: &mut Instances, var: &Ident, topic: &Topic) {
         all.list.extend(values.into_iter().map(|value| one.with(var, value)));
     }
     if all.list.is_empty() {
-        all.nothing = Some(format!("no topic of this recording matches {}", topic.absolute()));
+        all.nothing = Some(format!("no topic {} matches {}", trace.of_here(), topic.absolute()));
     }
 }
 

@@ -41,7 +41,8 @@ impl Lines {
             true => String::new(),
             false => format!(", since {}", self.at(violation.began)),
         };
-        let named = format!("{}: ", property.name);
+        // The text has the name of the property, and an instance's own beside it: `slow[r1]`.
+        let named = format!("{}: ", property.name.split('[').next().unwrap_or_default());
         let text = text.strip_prefix(&named).unwrap_or(&text);
         let word = paint(self.style, "\x1b[1;31m", "violated");
         let at = self.at(violation.failed);
@@ -68,7 +69,7 @@ impl Lines {
 
 fn start(report: &Report) -> String {
     let names: Vec<&str> = report.topics.iter().map(|t| t.name.as_str()).collect();
-    let topics = if names.is_empty() { "no topic".to_owned() } else { names.join(", ") };
+    let topics = if names.is_empty() { "no topic yet".to_owned() } else { names.join(", ") };
     format!(
         "watching {}: {} of {}, reading {topics}\n",
         report.trace,
@@ -113,5 +114,8 @@ mod tests {
         let (line, is_bad) = lines.of(Event::Violation { property: &property, violation: &violation }).unwrap();
         assert_eq!(line, "[1.5 s] violated calm, since 1 s: never speed > 2  (speed = 3)\n");
         assert!(is_bad);
+        let of_an_instance = Property { name: "calm[r1]".to_owned(), ..property };
+        let (line, _) = lines.of(Event::Violation { property: &of_an_instance, violation: &violation }).unwrap();
+        assert_eq!(line, "[1.5 s] violated calm[r1], since 1 s: never speed > 2  (speed = 3)\n");
     }
 }

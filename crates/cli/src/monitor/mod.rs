@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use lapwing::live::{Ended, Latency, LiveOptions, Outcome, Reach, Station, Touch, touches};
 use lapwing::{Options, Spec};
 use lapwing_diag::Style;
-use lapwing_react::{Format, Standing, Tally, end};
+use lapwing_react::{Format, Report, Standing, Tally, end};
 use lapwing_ros::connector::Connector;
 
 use crate::complain::{Complaint, say, styles};
@@ -144,13 +144,14 @@ impl Watch<'_> {
             Looker::new(self.format, self.monitor.quiet, self.styles, looks, self.signals.clone(), self.texts());
         looker.show_to(audiences);
         looker.out(self.format.begin());
-        let (mut tally, mut number, mut is_complete) = (Tally::default(), 1, true);
+        let mut tally = Tally { is_live: true, ..Tally::default() };
+        let (mut number, mut is_complete) = (1, true);
         let mut entries = Vec::new();
         let mut before: Option<Vec<Spec>> = None;
         let ended = loop {
             let record = self.monitor.record.as_deref().map(|path| numbered(path, number));
             station.record_to(record.clone());
-            let outcome = match station.run(&specs, &mut looker) {
+            let mut outcome = match station.run(&specs, &mut looker) {
                 Ok(outcome) => outcome,
                 Err(why) => match before.take() {
                     // What was read again cannot be run: what ran before goes on.
@@ -166,12 +167,15 @@ impl Watch<'_> {
             if number > 1 {
                 looker.out(self.format.between());
             }
+            if !self.monitor.dry_run {
+                carried_out(&mut outcome.report);
+            }
             looker.report(&outcome.report);
             tally.add(&outcome.report);
             is_complete &= outcome.unrecorded.is_none();
             is_complete &= self.capsules(&specs, record.as_deref(), &outcome);
             entries.extend(self.page.as_ref().map(|_| lapwing_page::entry(&outcome.report, &outcome.histories)));
-            match (outcome.ended, looker.take_specs()) {
+            match (outcome.ended, outcome.next.take()) {
                 (Ended::Reloaded, Some(again)) => before = Some(std::mem::replace(&mut specs, again)),
                 (ended, _) => break ended,
             }
@@ -226,6 +230,15 @@ fn numbered(path: &Path, number: usize) -> PathBuf {
     }
 }
 
+/// What a recording would have led to on a live robot was done on this one.
+fn carried_out(report: &mut Report) {
+    for reaction in report.properties.iter_mut().flat_map(|property| &mut property.reactions) {
+        if let Some(done) = reaction.strip_prefix("would ") {
+            *reaction = done.to_owned();
+        }
+    }
+}
+
 /// What the run has measured of itself, in words.
 fn figures(station: &Station) -> String {
     let figures = station.figures();
@@ -234,7 +247,8 @@ fn figures(station: &Station) -> String {
         let (p50, p99) = (ms(0.5)?, ms(0.99)?);
         Some(format!("{what}: p50 {p50}, p99 {p99}, at most {:.3} ms\n", latency.most().as_secs_f64() * 1e3))
     };
-    let mut text = format!("{} messages, {} lost\n", figures.messages, figures.lost);
+    let messages = if figures.messages == 1 { "message" } else { "messages" };
+    let mut text = format!("{} {messages} came, {} lost\n", figures.messages, figures.lost);
     text.extend(of("from arrival to verdict", &figures.judged));
     text.extend(of("from arrival to reaction", &figures.reacted));
     text.extend(of("delay of guarded messages", &figures.guarded));

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 use std::path::PathBuf;
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::Duration;
 
 use lapwing::live::{Onlooker, View};
 use lapwing::{Report, Spec, Watch};
@@ -32,8 +32,6 @@ pub struct Looker {
     audiences: Vec<Box<dyn Audience>>,
     signals: Signals,
     texts: Texts,
-    /// The specifications as they were read again.
-    again: Option<Vec<Spec>>,
     source: String,
     /// Whether nobody reads what is written.
     closed: bool,
@@ -61,13 +59,12 @@ impl Looker {
             format,
             quiet,
             styles,
-            lines: Lines::new(now(), styles.0),
+            lines: Lines::new(Time(0), styles.0),
             screen: None,
             wants_screen,
             audiences: Vec::new(),
             signals,
             texts,
-            again: None,
             source: String::new(),
             closed: false,
         }
@@ -76,11 +73,6 @@ impl Looker {
     /// What happens is shown to them as well.
     pub fn show_to(&mut self, audiences: Vec<Box<dyn Audience>>) {
         self.audiences = audiences;
-    }
-
-    /// The specifications as they were read again, if they were.
-    pub fn take_specs(&mut self) -> Option<Vec<Spec>> {
-        self.again.take()
     }
 
     /// The terminal is a terminal again.
@@ -124,18 +116,11 @@ impl Looker {
     }
 }
 
-/// The wall clock.
-fn now() -> Time {
-    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    Time(i64::try_from(since.as_nanos()).unwrap_or(i64::MAX))
-}
-
 impl Watch for Looker {
     fn event(&mut self, event: Event<'_>) {
         if let Event::Start(report) = event {
             self.source.clone_from(&report.trace);
             self.audiences.iter_mut().for_each(|audience| audience.begin());
-            self.lines = Lines::new(now(), self.styles.0);
             if self.wants_screen && self.screen.is_none() {
                 match Screen::open() {
                     Ok(screen) => self.screen = Some(screen),
@@ -178,6 +163,10 @@ impl Onlooker for Looker {
         !self.audiences.is_empty()
     }
 
+    fn begins(&mut self, at: Time) {
+        self.lines = Lines::new(at, self.styles.0);
+    }
+
     fn look(&mut self, view: &View) {
         self.audiences.iter_mut().for_each(|audience| audience.look(view));
         if let Some(screen) = &mut self.screen
@@ -188,20 +177,22 @@ impl Onlooker for Looker {
         }
     }
 
-    fn reloads(&mut self) -> bool {
+    fn reloads(&mut self) -> Option<Vec<Spec>> {
         if !self.signals.reload() {
-            return false;
+            return None;
         }
         match words::specs(&self.texts.paths, &self.texts.msgs, self.styles.1) {
             Ok(specs) => {
                 self.note("the specifications were read again");
-                self.again = Some(specs);
-                true
+                Some(specs)
             }
             Err(complaint) => {
-                complaint.tell();
+                match &mut self.screen {
+                    Some(screen) => complaint.text().lines().for_each(|line| screen.line(line)),
+                    None => complaint.tell(),
+                }
                 self.note("the specifications stay as they are: what was read again is wrong");
-                false
+                None
             }
         }
     }

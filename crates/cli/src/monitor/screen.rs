@@ -7,6 +7,8 @@ use std::time::Duration;
 use lapwing::live::View;
 use ratatui::DefaultTerminal;
 use ratatui::crossterm::event::{Event, KeyCode, KeyEventKind, KeyModifiers, poll, read};
+use ratatui::crossterm::execute;
+use ratatui::crossterm::terminal::{Clear, ClearType};
 
 use super::widgets;
 
@@ -22,7 +24,10 @@ pub struct Screen {
 impl Screen {
     /// Takes the terminal over.
     pub fn open() -> io::Result<Screen> {
-        Ok(Screen { terminal: ratatui::try_init()?, lines: VecDeque::new() })
+        let screen = Screen { terminal: ratatui::try_init()?, lines: VecDeque::new() };
+        // Not every terminal has a second screen that is empty. `Terminal::clear` asks where the cursor is, and not every one answers.
+        execute!(io::stdout(), Clear(ClearType::All))?;
+        Ok(screen)
     }
 
     /// Something happened; it is shown with the next view.

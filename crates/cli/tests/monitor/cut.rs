@@ -127,7 +127,7 @@ fn survives_a_cut(number: u8, word: &str, told: &str) {
     lapwing.line_with("/speed cannot be seen: nobody publishes it");
     robot.write("offer /speed");
     robot.line_with("done");
-    says_until(&mut robot, &lapwing, "/speed is published again");
+    says_until(&mut robot, &lapwing, "/speed is published now");
     (0..30).for_each(|_| speak(&mut robot));
     cable.pull();
     lapwing.line_with(told);

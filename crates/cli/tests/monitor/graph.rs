@@ -138,6 +138,11 @@ impl Process {
         writeln!(self.stdin.as_mut().unwrap(), "{line}").unwrap();
     }
 
+    /// Ends its standard input.
+    pub fn close(&mut self) {
+        self.stdin = None;
+    }
+
     /// Sends a signal: `INT`, `TERM`, `HUP`, `KILL`.
     pub fn signal(&self, name: &str) {
         let sent = Command::new("kill").args([&format!("-{name}"), &self.child.id().to_string()]).status().unwrap();

@@ -13,5 +13,6 @@ mod guarding;
 mod habits;
 mod lapwing;
 mod page;
+mod screen;
 mod watching;
 mod words;

@@ -65,7 +65,7 @@ fn is_never_silent_and_agrees(graph: &Graph) {
     let lapwing = Lapwing::watches(graph, &spec, "--format ndjson --record run.mcap");
     lapwing.says("/speed cannot be seen: nobody publishes it");
     robot.does("offer /speed");
-    lapwing.says("/speed is published again");
+    lapwing.says("/speed is published now");
     // What is said before a subscriber has been found is lost: it is asked again, until silence is all that comes.
     lapwing.says_while("\"type\":\"violation\"", Duration::from_secs(1), || {
         ["say /asked 0", "say /done 0", "say /speed 1", "say /asked 1"].iter().for_each(|line| robot.does(line));

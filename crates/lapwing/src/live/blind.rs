@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use lapwing_react::shown::{Origin, seconds};
 use lapwing_stream::{Duration, Time};
 
 use crate::status::{Cause, Kind};
@@ -84,10 +85,12 @@ impl Ledger {
     }
 
     /// In words, what a property that reads those topics could not see, if there was anything. That nobody published a topic is no
-    /// harm until `unstarted`: it had not begun then, and there was nothing that could have been missed.
-    pub fn doubts(&self, topics: &BTreeSet<String>, unstarted: Option<Time>) -> Option<String> {
+    /// harm until `unstarted`: it had not begun then, and there was nothing that could have been missed. Times are counted from the origin, as
+    /// in the rest of the report.
+    pub fn doubts(&self, topics: &BTreeSet<String>, unstarted: Option<Time>, origin: Origin) -> Option<String> {
         let concerns = |s: &&Spells| s.of.as_ref().is_none_or(|topic| topics.contains(topic));
-        let mut words: Vec<String> = self.past.iter().filter(concerns).filter_map(|s| s.words(unstarted)).collect();
+        let mut words: Vec<String> =
+            self.past.iter().filter(concerns).filter_map(|s| s.words(unstarted, origin)).collect();
         let more = words.len().saturating_sub(NAMED);
         words.truncate(NAMED);
         if more > 0 {
@@ -121,25 +124,30 @@ impl Ledger {
 
 impl Spells {
     /// When and how long, and why: `/odom could not be seen from 3 s to 4.5 s: nobody publishes it`.
-    fn words(&self, unstarted: Option<Time>) -> Option<String> {
+    fn words(&self, unstarted: Option<Time>, origin: Origin) -> Option<String> {
         let forgiven = |to: Time| self.cause.kind == Kind::NoPublisher && unstarted.is_some_and(|until| to <= until);
         let counted: Vec<(Time, Time)> = self.kept.iter().copied().filter(|(_, to)| !forgiven(*to)).collect();
         let (from, to) = *counted.first()?;
         let of = self.of.as_deref().unwrap_or("nothing");
         let verb = if self.of.is_some() { "could not be seen" } else { "could be trusted" };
         let number = counted.len() as u64 + self.further.0;
+        let time = |at: Time| origin.time(at);
         if number == 1 {
             return Some(match from == to {
-                true => format!("{of} {verb} at {from}: {}", self.cause),
-                false => format!("{of} {verb} from {from} to {to} ({}): {}", to.since(from), self.cause),
+                true => format!("{of} {verb} at {}: {}", time(from), self.cause),
+                false => {
+                    let lasted = seconds(i128::from(to.since(from).nanos()));
+                    format!("{of} {verb} from {} to {} ({lasted}): {}", time(from), time(to), self.cause)
+                }
             });
         }
         let sum = counted.iter().map(|(from, to)| to.since(*from).nanos()).fold(0_i64, i64::saturating_add);
         let sum = Duration::from_nanos(sum.saturating_add(self.further.1.nanos()));
         let last = counted.last().map_or(to, |(_, to)| *to);
+        let words = format!("{of} {verb} {number} times from {} to {}", time(from), time(last));
         Some(match sum {
-            Duration::ZERO => format!("{of} {verb} {number} times from {from} to {last}: {}", self.cause),
-            sum => format!("{of} {verb} {number} times from {from} to {last}, for {sum} in all: {}", self.cause),
+            Duration::ZERO => format!("{words}: {}", self.cause),
+            sum => format!("{words}, for {} in all: {}", seconds(i128::from(sum.nanos())), self.cause),
         })
     }
 }
@@ -147,6 +155,8 @@ impl Spells {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const ZERO: Origin = Origin(Time(0));
 
     fn at(seconds: i64) -> Time {
         Time(seconds * 1_000_000_000)
@@ -168,9 +178,11 @@ mod tests {
         assert!(ledger.is_open("/odom", Kind::Disconnected) && !ledger.is_open("/scan", Kind::Disconnected));
         assert_eq!(ledger.end(at(5), &odom(), &cause), Some(at(3)));
         assert_eq!(ledger.end(at(6), &odom(), &cause), None);
-        let doubts = ledger.doubts(&topics(), None).unwrap();
+        let doubts = ledger.doubts(&topics(), None, ZERO).unwrap();
         assert_eq!(doubts, "/odom could not be seen from 3 s to 5 s (2 s): the connection is broken: reset by peer");
-        assert_eq!(ledger.doubts(&BTreeSet::new(), None), None);
+        assert_eq!(ledger.doubts(&BTreeSet::new(), None, ZERO), None);
+        let later = ledger.doubts(&topics(), None, Origin(at(1))).unwrap();
+        assert!(later.contains("from 2 s to 4 s (2 s)"), "as the rest of the report counts: {later}");
     }
 
     #[test]
@@ -179,18 +191,18 @@ mod tests {
         let nobody = Cause::new(Kind::NoPublisher, "");
         ledger.begin(at(1), &odom(), &nobody);
         ledger.end(at(3), &odom(), &nobody);
-        assert_eq!(ledger.doubts(&topics(), Some(at(3))), None);
-        assert!(ledger.doubts(&topics(), Some(at(2))).is_some());
+        assert_eq!(ledger.doubts(&topics(), Some(at(3)), ZERO), None);
+        assert!(ledger.doubts(&topics(), Some(at(2)), ZERO).is_some());
         ledger.begin(at(7), &odom(), &nobody);
         ledger.end_all(at(9));
-        assert!(ledger.doubts(&topics(), Some(at(3))).unwrap().contains("from 7 s to 9 s (2 s)"));
+        assert!(ledger.doubts(&topics(), Some(at(3)), ZERO).unwrap().contains("from 7 s to 9 s (2 s)"));
     }
 
     #[test]
     fn what_concerns_everything_concerns_each() {
         let mut ledger = Ledger::default();
         ledger.moment(at(2), &None, &Cause::new(Kind::Leapt, "by 60 s"));
-        assert!(ledger.doubts(&topics(), None).unwrap().starts_with("nothing could be trusted at 2 s"));
+        assert!(ledger.doubts(&topics(), None, ZERO).unwrap().starts_with("nothing could be trusted at 2 s"));
     }
 
     #[test]
@@ -201,7 +213,7 @@ mod tests {
             ledger.begin(at(2 * second), &odom(), &lost);
             ledger.end(at(2 * second + 1), &odom(), &lost);
         }
-        let doubts = ledger.doubts(&topics(), None).unwrap();
+        let doubts = ledger.doubts(&topics(), None, ZERO).unwrap();
         assert!(doubts.contains("5000 times") && doubts.contains("for 5000 s in all"), "{doubts}");
         assert_eq!(ledger.past[0].kept.len(), KEPT);
     }

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use bytes::Bytes;
 use lapwing_react::history::History;
+use lapwing_react::shown::Origin;
 use lapwing_react::{Event, Property, Report, Topic, Violation, Warning};
 use lapwing_record::RawChannel;
 use lapwing_stream::{Duration, Time};
@@ -27,6 +28,9 @@ use crate::watch::Watch;
 
 /// So many warnings of one kind about one topic are told; further ones only count in verdicts.
 const TOLD: u32 = 20;
+
+/// After this time it is told that nothing is there for a property to read, in nanoseconds.
+const GRACE: i64 = 1_000_000_000;
 
 /// The word for warnings of silence.
 const SILENCE: &str = "silence";
@@ -98,6 +102,8 @@ pub(crate) struct Course<'s> {
     /// The stamp of the first message, and of the last thing that was seen.
     heard: Option<Time>,
     last: Option<Time>,
+    /// Whether it was told which properties have nothing to read.
+    has_counted: bool,
     /// How often something was warned of.
     told: BTreeMap<(Option<String>, &'static str), u32>,
     /// The violations that have not been answered yet, where somebody answers.
@@ -130,6 +136,7 @@ impl<'s> Course<'s> {
             is_stale: true,
             heard: None,
             last: None,
+            has_counted: false,
             told: BTreeMap::new(),
             alarms: None,
             violations: 0,
@@ -200,9 +207,15 @@ impl<'s> Course<'s> {
         if self.order.is_some() {
             return None;
         }
+        let counts = self.counts_at().filter(|_| !self.has_counted);
         let shifts = self.posts.iter_mut().flat_map(|post| &mut post.shifts);
         let deadlines = shifts.filter_map(|shift| shift.run.next_deadline());
-        deadlines.chain(self.rhythms.values().filter_map(Rhythm::deadline)).min()
+        deadlines.chain(self.rhythms.values().filter_map(Rhythm::deadline)).chain(counts).min()
+    }
+
+    /// When it is told which properties have nothing to read.
+    fn counts_at(&self) -> Option<Time> {
+        self.first().map(|first| first + Duration::from_nanos(GRACE))
     }
 
     /// How things stand of a property of a specification, all of its instances together.
@@ -244,10 +257,11 @@ impl<'s> Course<'s> {
             self.refresh(last, watch);
         }
         self.ledger.end_all(last);
+        let origin = Origin::of(&self.report);
         self.report.properties.clear();
         for number in 0..self.posts.len() {
             let Some(post) = self.posts.get_mut(number) else { continue };
-            let properties = post.finish(&self.damage, &self.ledger);
+            let properties = post.finish(&self.damage, &self.ledger, origin);
             let warnings = post.warnings(&properties);
             self.tell(watch);
             warnings.into_iter().for_each(|w| self.warn(w, watch));
@@ -288,12 +302,25 @@ impl<'s> Course<'s> {
     }
 
     fn offered(&mut self, at: Time, stream: u32, channel: RawChannel, latched: bool, watch: &mut dyn Watch) {
-        self.graph.offer(stream, channel, latched);
+        let is_readable = channel.ty.is_ok();
+        self.graph.offer(at, stream, channel, latched);
         self.posts.iter_mut().flat_map(|post| &mut post.shifts).for_each(|shift| shift.unbind(stream));
         let topic = self.graph.get(stream).map(|s| s.topic.clone()).unwrap_or_default();
-        self.is_stale |= self.posts.iter().any(|post| post.minds(&topic));
+        let is_minded = self.posts.iter().any(|post| post.minds(&topic));
+        self.is_stale |= is_minded;
+        if is_minded && is_readable {
+            self.reveal(watch);
+        }
         self.mind_types(at, &topic, watch);
         self.published(at, watch);
+    }
+
+    /// Says at once what a type that has become known shows of the specifications, though nothing may come of it for long.
+    fn reveal(&mut self, watch: &mut dyn Watch) {
+        let shape = self.graph.shape();
+        let Course { posts, options, .. } = self;
+        let warnings: Vec<Warning> = posts.iter_mut().flat_map(|post| post.reveal(&shape, options)).collect();
+        warnings.into_iter().for_each(|w| self.warn(w, watch));
     }
 
     fn message(&mut self, at: Time, stream: u32, payload: &Bytes, watch: &mut dyn Watch) {
@@ -416,7 +443,10 @@ impl<'s> Course<'s> {
         let is_concerned = of.as_ref().is_none_or(|topic| self.posts.iter().any(|post| post.is_concerned(topic)));
         if self.ledger.begin(at, &of, &cause) && is_concerned {
             let topic = of.as_deref().unwrap_or("the graph");
-            self.warn_of(at, of.as_deref(), cause.kind.word(), format!("{topic} cannot be seen: {cause}"), watch);
+            let meant = if cause.kind == Kind::NoPublisher { self.graph.meant_by(topic) } else { None };
+            let question = meant.map(|other| format!("; did you mean {other}?")).unwrap_or_default();
+            let message = format!("{topic} cannot be seen: {cause}{question}");
+            self.warn_of(at, of.as_deref(), cause.kind.word(), message, watch);
         }
     }
 
@@ -428,9 +458,16 @@ impl<'s> Course<'s> {
         let is_concerned = of.as_ref().is_none_or(|topic| self.posts.iter().any(|post| post.is_concerned(topic)));
         if is_concerned {
             let (topic, lasted) = (of.as_deref().unwrap_or("the graph"), brief(at.since(since)));
-            let message = match cause.kind {
-                Kind::NoPublisher => format!("{topic} is published again after {lasted}"),
-                _ => format!("{topic} can be seen again after {lasted}"),
+            let left = of.as_deref().and_then(|topic| self.ledger.now(topic).next());
+            let message = match (left, cause.kind) {
+                (Some(left), _) => {
+                    format!("{topic} still cannot be seen: {left} (and no more, after {lasted}: {cause})")
+                }
+                (None, Kind::NoPublisher) if !self.graph.had(topic, since) => {
+                    format!("{topic} is published now, after {lasted}")
+                }
+                (None, Kind::NoPublisher) => format!("{topic} is published again after {lasted}"),
+                (None, _) => format!("{topic} can be seen again after {lasted}"),
             };
             self.warn_of(at, of.as_deref(), cause.kind.word(), message, watch);
         }
@@ -450,8 +487,17 @@ impl<'s> Course<'s> {
         }
     }
 
-    /// Tells of topics that have been silent for too long by then.
+    /// Tells, once, which properties cannot be judged and read no topic of which that could be told.
+    fn count(&mut self, now: Time, watch: &mut dyn Watch) {
+        let Some(at) = self.counts_at().filter(|at| !self.has_counted && *at <= now) else { return };
+        self.has_counted = true;
+        let idle: Vec<String> = self.posts.iter().flat_map(Post::idle).collect();
+        idle.into_iter().for_each(|message| self.warn(Warning { at: Some(at), ..Warning::plain(message) }, watch));
+    }
+
+    /// Tells of topics that have been silent for too long by then, and of properties that have none.
     fn silences(&mut self, now: Time, watch: &mut dyn Watch) {
+        self.count(now, watch);
         let due = |(topic, rhythm): (&String, &Rhythm)| {
             rhythm.deadline().filter(|deadline| *deadline <= now).map(|deadline| (deadline, topic.clone()))
         };

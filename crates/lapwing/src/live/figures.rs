@@ -8,6 +8,9 @@ const PARTS: u32 = 4;
 /// From a microsecond on so many doublings are told apart: up to 17 minutes.
 const DOUBLINGS: u32 = 30;
 
+/// And so many are told one by one: up to 17 seconds.
+const SHOWN: u32 = 24;
+
 /// How long something took, again and again: a histogram with buckets that grow by a fifth, in constant memory.
 #[derive(Clone, Debug)]
 pub struct Latency {
@@ -66,14 +69,11 @@ impl Latency {
         found.filter(|_| self.count > 0).map(|bucket| upper(bucket).min(self.most))
     }
 
-    /// Upper ends of buckets with how many lie at or below each, for those that hold something.
+    /// Upper ends, each twice the one before, with how many lie at or below each. They are always the same: who compares two looks, as Prometheus
+    /// does, must find each end in both.
     pub fn cumulative(&self) -> impl Iterator<Item = (Duration, u64)> {
-        let mut seen = 0;
-        let filled = self.buckets.iter().enumerate().filter(|(_, count)| **count > 0);
-        filled.map(move |(bucket, count)| {
-            seen += count;
-            (upper(bucket), seen)
-        })
+        let ends = (0..=SHOWN).map(|doublings| (doublings * PARTS) as usize);
+        ends.map(|end| (upper(end), self.buckets.iter().take(end + 1).sum()))
     }
 }
 
@@ -117,7 +117,9 @@ mod tests {
             assert!((exact * 0.999..=exact * 1.2).contains(&micros), "{share}: {micros}");
         }
         assert_eq!((latency.count(), latency.most()), (1000, Duration::from_millis(1)));
-        assert_eq!(latency.cumulative().last().unwrap().1, 1000);
+        let ends: Vec<(Duration, u64)> = latency.cumulative().collect();
+        assert_eq!((ends.len(), ends[9].1, ends[24].1), (25, 512, 1000));
+        assert_eq!(ends.len(), Latency::default().cumulative().count(), "the ends are there before anything is");
     }
 
     #[test]

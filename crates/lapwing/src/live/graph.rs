@@ -1,9 +1,10 @@
 //! What is there on a graph: streams of messages, as they are met.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use bytes::Bytes;
 use lapwing_check::{TraceShape, TraceTopic};
+use lapwing_diag::suggest;
 use lapwing_record::{RawChannel, normal_name};
 use lapwing_stream::Time;
 
@@ -30,6 +31,8 @@ pub(crate) struct Stream {
     pub type_name: String,
     /// Whether those who come late are handed its last message.
     pub latched: bool,
+    /// When it was met.
+    pub met: Time,
     /// How many publish it.
     pub publishers: u64,
     /// How many messages came.
@@ -40,13 +43,14 @@ pub(crate) struct Stream {
 
 impl Graph {
     /// A stream is there, or more is known of it.
-    pub fn offer(&mut self, number: u32, channel: RawChannel, latched: bool) {
+    pub fn offer(&mut self, at: Time, number: u32, channel: RawChannel, latched: bool) {
         let (topic, type_name) = (absolute(&channel.topic), normal_name(&channel.type_name));
         let stream = self.streams.entry(number).or_insert_with(|| Stream {
             channel: channel.clone(),
             topic,
             type_name,
             latched,
+            met: at,
             publishers: 1,
             messages: 0,
             latest: VecDeque::new(),
@@ -135,7 +139,20 @@ impl Graph {
                 topics.push(TraceTopic { name: stream.topic.clone(), type_name: stream.type_name.clone(), schema });
             }
         }
-        TraceShape { topics, live: true, ..TraceShape::default() }
+        let is_unread = |s: &&Stream| !topics.iter().any(|topic| topic.name == s.topic);
+        let unread: BTreeSet<String> = self.streams.values().filter(is_unread).map(|s| s.topic.clone()).collect();
+        TraceShape { topics, live: true, unread: unread.into_iter().collect(), ..TraceShape::default() }
+    }
+
+    /// Whether somebody had published a topic before that time.
+    pub fn had(&self, topic: &str, before: Time) -> bool {
+        self.streams.values().any(|s| s.topic == topic && s.met < before)
+    }
+
+    /// The topic on the graph that a name was probably meant to be which nothing on it has, nor ever had.
+    pub fn meant_by(&self, topic: &str) -> Option<&str> {
+        let is_there = self.streams.values().any(|s| s.topic == topic);
+        if is_there { None } else { suggest::nearest(topic, self.streams.values().map(|s| s.topic.as_str())) }
     }
 
     /// What the graph carries, with what cannot be read yet: each topic by its name alone.

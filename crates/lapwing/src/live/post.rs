@@ -6,6 +6,7 @@ use lapwing_check::checked::{self, Action, Body, EventSource, Expr, InputSource,
 use lapwing_check::{Checked, TraceShape, compile};
 use lapwing_diag::Code;
 use lapwing_react::history::History;
+use lapwing_react::shown::Origin;
 use lapwing_react::{Property, Topic, Warning};
 use lapwing_stream::{Duration, Time, Value, Verdict};
 
@@ -75,6 +76,12 @@ impl<'s> Post<'s> {
         self.properties.iter().map(|known| (&known.blank, &known.topics))
     }
 
+    /// Which of its properties cannot be judged though they wait for no topic, and why.
+    pub fn idle(&self) -> impl Iterator<Item = String> {
+        let idle = self.properties.iter().filter(|known| known.topics.is_empty());
+        idle.filter_map(|known| Some(format!("{} cannot be judged: {}", known.blank.name, known.blank.cause.as_ref()?)))
+    }
+
     /// The topics that it wants to read.
     pub fn topics(&self) -> &[Topic] {
         &self.topics
@@ -93,16 +100,27 @@ impl<'s> Post<'s> {
     /// Looks at the graph anew: what can be judged now and could not before gets a monitor, which begins at `at`. Gives what the graph
     /// shows of the specification and has not been said.
     pub fn refresh(&mut self, graph: &Graph, shape: &TraceShape, at: Time, options: &Options) -> Vec<Warning> {
-        let checked = self.look(shape);
-        let is_owned = |name: &str| self.shifts.iter().any(|shift| shift.owned.contains(name));
-        let judged = checked.spec.properties.iter().filter(|p| p.problem.is_none());
-        let new: BTreeSet<String> = judged.map(|p| p.name.clone()).filter(|name| !is_owned(name)).collect();
-        let shift = Shift::new(self.spec, checked, new, options);
+        let shift = self.next_shift(shape, options);
         let warnings = self.revelations(&shift);
         if !shift.owned.is_empty() {
             self.begin(shift, graph, at);
         }
         warnings
+    }
+
+    /// What a graph of that shape shows of the specification and has not been said. Nothing begins yet.
+    pub fn reveal(&mut self, shape: &TraceShape, options: &Options) -> Vec<Warning> {
+        let shift = self.next_shift(shape, options);
+        self.revelations(&shift)
+    }
+
+    /// A monitor of what can be judged on a graph of that shape and is not yet.
+    fn next_shift(&mut self, shape: &TraceShape, options: &Options) -> Shift<'s> {
+        let checked = self.look(shape);
+        let is_owned = |name: &str| self.shifts.iter().any(|shift| shift.owned.contains(name));
+        let judged = checked.spec.properties.iter().filter(|p| p.problem.is_none());
+        let new: BTreeSet<String> = judged.map(|p| p.name.clone()).filter(|name| !is_owned(name)).collect();
+        Shift::new(self.spec, checked, new, options)
     }
 
     fn begin(&mut self, mut shift: Shift<'s>, graph: &Graph, at: Time) {
@@ -197,8 +215,8 @@ impl<'s> Post<'s> {
         }
     }
 
-    /// What becomes of its properties.
-    pub fn finish(&mut self, damage: &Damage, ledger: &Ledger) -> Vec<Property> {
+    /// What becomes of its properties; times in words are counted from that origin.
+    pub fn finish(&mut self, damage: &Damage, ledger: &Ledger, origin: Origin) -> Vec<Property> {
         let mut judged: BTreeMap<String, Vec<Property>> = BTreeMap::new();
         for shift in &mut self.shifts {
             for (number, property) in shift.run.finish(damage, &Met::default()) {
@@ -211,7 +229,7 @@ impl<'s> Post<'s> {
         let mut all = Vec::new();
         for known in &self.properties {
             let name = &known.blank.name;
-            let doubts = ledger.doubts(&known.topics, self.unstarted.get(name).copied());
+            let doubts = ledger.doubts(&known.topics, self.unstarted.get(name).copied(), origin);
             let mut found =
                 judged.remove(name).unwrap_or_else(|| vec![Property { reactions: Vec::new(), ..known.blank.clone() }]);
             found.iter_mut().for_each(|property| doubt(property, doubts.as_deref()));

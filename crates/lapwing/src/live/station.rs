@@ -18,7 +18,7 @@ use lapwing_stream::Time;
 use super::clock::{CLOCK, Clock, ClockChoice};
 use super::course::{Course, Seen, Sight};
 use super::figures::Figures;
-use super::guard::guards;
+use super::guard::{Guard, guards};
 use super::herald::Herald;
 use super::reactions::{Reach, Reactions};
 use super::tape::Tape;
@@ -74,9 +74,13 @@ pub trait Onlooker: Watch {
     /// How things stand. Also told at the end.
     fn look(&mut self, _view: &View) {}
 
-    /// Whether the specifications are to be read again: then the run ends, and another may begin.
-    fn reloads(&mut self) -> bool {
-        false
+    /// A run begins, at this time of the wall clock. Told after its [start](lapwing_react::Event::Start).
+    fn begins(&mut self, _at: Time) {}
+
+    /// Specifications to go on with, where they were read again. If they can be carried out the run ends, and gives them back as what follows it;
+    /// else a note says why not.
+    fn reloads(&mut self) -> Option<Vec<Spec>> {
+        None
     }
 }
 
@@ -91,7 +95,7 @@ pub enum Ended {
     TimedOut,
     /// There was a violation, and it was to go on until there is one.
     AtViolation,
-    /// The specifications are to be read again.
+    /// Other specifications are to follow.
     Reloaded,
     /// A reaction said so.
     ByReaction,
@@ -106,6 +110,8 @@ pub struct Outcome {
     pub histories: Vec<History>,
     /// Why it ended.
     pub ended: Ended,
+    /// The specifications that are to follow, where it ended for them.
+    pub next: Option<Vec<Spec>>,
     /// Why the recording is not complete.
     pub unrecorded: Option<String>,
 }
@@ -173,21 +179,38 @@ impl Station {
     ///
     /// An error says why it cannot begin: the recording cannot be written, or a reaction cannot be carried out.
     pub fn run(&mut self, specs: &[Spec], watch: &mut dyn Onlooker) -> Result<Outcome, String> {
+        loop {
+            if let Some(outcome) = self.attempt(specs, watch)? {
+                return Ok(outcome);
+            }
+            self.clock = Clock::new(ClockChoice::Simulated);
+            watch.note("somebody publishes /clock: the run begins anew, by simulated time");
+        }
+    }
+
+    /// Makes ready what specifications do.
+    fn prepare(&mut self, specs: &[Spec], reach: &Reach) -> Result<(Reactions, Vec<Guard>, Vec<String>), String> {
+        let (mut reactions, notes) = Reactions::prepare(specs, reach, self.publishers.clone(), &mut *self.connector)?;
+        let guards = guards(specs, reach, &mut reactions, &mut *self.connector)?;
+        match !guards.is_empty() && self.options.checking.recording.time == TimeSource::Header {
+            false => Ok((reactions, guards, notes)),
+            true => {
+                let why =
+                    "a guard cannot wait until messages are in the order of their headers: leave --time header out";
+                Err(why.to_owned())
+            }
+        }
+    }
+
+    /// A run; nothing where it turns out, before anything was judged, that the graph lives by simulated time.
+    fn attempt(&mut self, specs: &[Spec], watch: &mut dyn Onlooker) -> Result<Option<Outcome>, String> {
         let began = self.connector.now();
         let mut course = Course::new(specs, &self.connector.name(), &self.options.checking);
         course.alarm();
         if watch.draws() {
             course.draw();
         }
-        let (mut reactions, notes) =
-            Reactions::prepare(specs, &self.options.reach, self.publishers.clone(), &mut *self.connector)?;
-        let guards = guards(specs, &self.options.reach, &mut reactions, &mut *self.connector)?;
-        if !guards.is_empty() && self.options.checking.recording.time == TimeSource::Header {
-            return Err(
-                "a guard cannot wait until messages are in the order of their headers: leave --time header out"
-                    .to_owned(),
-            );
-        }
+        let (reactions, guards, notes) = self.prepare(specs, &self.options.reach.clone())?;
         let tape = self.options.record.as_deref().map(|path| Tape::create(path, self.profile())).transpose()?;
         let mut duty = Duty {
             course,
@@ -196,6 +219,9 @@ impl Station {
             reactions,
             guards,
             stops: false,
+            has_heard: false,
+            is_misled: false,
+            next: None,
             shown: None,
             watch,
             began,
@@ -204,6 +230,7 @@ impl Station {
             lasts: longest(specs),
         };
         duty.course.start(duty.watch);
+        duty.watch.begins(began);
         notes.iter().for_each(|note| duty.watch.note(note));
         self.speak_up(&mut duty);
         self.subscribe(duty.course.wanted());
@@ -216,6 +243,12 @@ impl Station {
             if let Some(ended) = self.is_over(&mut duty) {
                 break ended;
             }
+            if duty.is_misled {
+                self.publishers = duty.reactions.into_publishers();
+                // The next attempt writes the same file.
+                duty.tape.map(Tape::finish).transpose()?;
+                return Ok(None);
+            }
             let patience = self.patience(&mut duty);
             let arrival = self.connector.next(patience);
             self.ask_for_more(specs, arrival.as_ref());
@@ -224,7 +257,7 @@ impl Station {
                 None => self.idle(&mut duty),
             }
         };
-        Ok(self.end(ended, duty))
+        Ok(Some(self.end(ended, duty)))
     }
 
     fn profile(&self) -> &'static str {
@@ -281,10 +314,22 @@ impl Station {
         self.show(duty);
         match () {
             () if !duty.watch.goes_on() => Some(Ended::Stopped),
-            () if duty.watch.reloads() => Some(Ended::Reloaded),
+            () if self.is_followed(duty) => Some(Ended::Reloaded),
             () if self.is_timed_out(duty) => Some(Ended::TimedOut),
             () => None,
         }
+    }
+
+    /// Whether other specifications are to follow, and can.
+    fn is_followed(&mut self, duty: &mut Duty<'_, '_>) -> bool {
+        let Some(specs) = duty.watch.reloads() else { return false };
+        // What cannot be made ready must not end what runs.
+        let trial = Reach { dry: true, ..self.options.reach.clone() };
+        match self.prepare(&specs, &trial) {
+            Ok(_) => duty.next = Some(specs),
+            Err(why) => duty.watch.note(&format!("error: {why}\n  help: what runs goes on as it is")),
+        }
+        duty.next.is_some()
     }
 
     /// Whether the time is up that the specifications set themselves, on the clock in use.
@@ -359,11 +404,11 @@ impl Station {
         let mut view = self.view(&duty.course);
         duty.course.fill_strips(&mut view);
         duty.watch.look(&view);
-        let Duty { course, tape, unrecorded, watch, reactions, .. } = duty;
+        let Duty { course, tape, unrecorded, watch, reactions, next, .. } = duty;
         self.publishers = reactions.into_publishers();
         let (report, histories) = course.finish(watch);
         let unrecorded = tape.and_then(|tape| tape.finish().err()).or(unrecorded);
-        Outcome { report, histories, ended, unrecorded }
+        Outcome { report, histories, ended, next, unrecorded }
     }
 }
 

@@ -39,7 +39,7 @@ fn what_was_not_there_before_the_property_began_was_not_missed() {
     let script = script.clears(3.0, "/odom", Cause::NoPublisher).keeps_saying(3.1, 8.0, 0.1, 1, 1.0);
     let over = watch(SPEED, script);
     assert_eq!(over.verdict("calm"), (Verdict::Holds, String::new()));
-    warned(&over, "/odom is published again after 2 s");
+    warned(&over, "/odom is published now, after 2 s");
     over.agrees();
 }
 
@@ -180,5 +180,72 @@ fn warnings_without_end_are_bounded() {
     let about = over.outcome.report.warnings.iter().filter(|w| w.message.contains("lost")).count();
     assert_eq!(about, 20);
     assert!(over.verdict("calm").1.contains("200 times"), "{}", over.verdict("calm").1);
+    over.agrees();
+}
+
+#[test]
+fn a_type_that_differs_is_told_when_it_is_known_though_nothing_comes() {
+    let script = Script::of(3.0).offers_type(0.1, 1, "/odom", "std_msgs/String", "string data\n");
+    let over = watch(SPEED, script);
+    assert!(warned(&over, "/odom is a std_msgs/String in this run, not a Float64") <= 0.2);
+    let (verdict, cause) = over.verdict("calm");
+    assert_eq!((verdict, cause.contains("not a Float64")), (Verdict::Inconclusive, true), "{cause}");
+    over.agrees();
+
+    let over = watch(&SPEED.replace(".data", ".dta"), Script::of(3.0).offers(0.1, 1, "/odom"));
+    assert!(warned(&over, "has no field `dta`; did you mean `data`?") <= 0.2);
+    over.agrees();
+}
+
+#[test]
+fn a_misspelt_topic_is_asked_about() {
+    let script = Script::of(3.0).mentions(0.2, 1, "/odom").blinds(1.0, "/odmo", Cause::NoPublisher);
+    let over = watch(&SPEED.replace("/odom", "/odmo"), script);
+    assert!(warned(&over, "/odmo cannot be seen: nobody publishes it; did you mean /odom?") <= 1.1);
+    let (verdict, cause) = over.verdict("calm");
+    assert_eq!(verdict, Verdict::Inconclusive);
+    assert!(cause.contains("no message on /odmo in this run; did you mean /odom?"), "{cause}");
+    over.agrees();
+}
+
+#[test]
+fn a_topic_that_is_published_for_the_first_time_is_not_published_again() {
+    let script = Script::of(6.0).blinds(1.0, "/odom", Cause::NoPublisher);
+    let script = script.offers(1.5, 1, "/odom").clears(1.5, "/odom", Cause::NoPublisher).says(2.0, 1, 1.0);
+    let script = script.has_publishers(3.0, 1, 0).blinds(3.0, "/odom", Cause::NoPublisher);
+    let over = watch(SPEED, script.has_publishers(4.0, 1, 1).clears(4.0, "/odom", Cause::NoPublisher));
+    assert!(warned(&over, "/odom is published now, after 500 ms") < 2.0);
+    assert!(warned(&over, "/odom is published again after 1 s") > 3.9);
+    over.agrees();
+}
+
+#[test]
+fn one_cause_that_is_over_does_not_hide_another() {
+    let gone = || Cause::Disconnected("the master does not answer".to_owned());
+    let script = Script::of(4.0).blinds(1.0, "/odom", gone()).blinds(2.0, "/odom", Cause::NoPublisher);
+    let over = watch(SPEED, script.clears(2.5, "/odom", gone()));
+    assert!(warned(&over, "/odom still cannot be seen: nobody publishes it (and no more, after 1.5 s: ") > 2.4);
+    assert!(!over.told.warnings.iter().any(|(_, text)| text.contains("can be seen again")), "{:?}", over.told.warnings);
+    over.agrees();
+}
+
+#[test]
+fn times_in_a_cause_are_counted_from_the_beginning_of_the_run() {
+    let over = watch(SPEED, Script::of(5.0).blinds(1.0, "/odom", Cause::NoPublisher));
+    let (_, cause) = over.verdict("calm");
+    assert!(cause.starts_with("/odom could not be seen from 1 s to 5"), "{cause}");
+}
+
+#[test]
+fn that_no_topic_matches_is_told() {
+    let spec = "slow: for each r in topics /{r}/speed: never age(/{r}/speed) > 0.4\n";
+    let over = watch(spec, Script::of(4.0));
+    assert!((1.0..1.1).contains(&warned(&over, "slow cannot be judged: no topic on the graph matches /{r}/speed")));
+    assert_eq!(over.verdict("slow").0, Verdict::Inconclusive);
+    over.agrees();
+
+    let script = Script::of(4.0).mentions(0.1, 1, "/a/speed").offers(0.2, 1, "/a/speed");
+    let over = watch(spec, script.keeps_saying(1.5, 3.9, 0.1, 1, 1.0));
+    assert!(!over.told.warnings.iter().any(|(_, text)| text.contains("cannot be judged")), "{:?}", over.told.warnings);
     over.agrees();
 }

@@ -3,7 +3,7 @@
 use lapwing::live::{ClockChoice, Ended, LiveOptions, Reach};
 use lapwing_ros::connector::Cause;
 
-use crate::script::{Over, Script, at, try_watch, watch_as};
+use crate::script::{Over, Script, at, try_watch, watch_as, watch_followed};
 
 fn wall() -> LiveOptions {
     LiveOptions { clock: ClockChoice::Wall, ..LiveOptions::default() }
@@ -158,4 +158,22 @@ fn what_cannot_be_judged_does_not_pass_unless_the_guard_fails_open() {
     let instead = GUARDED.replace("else drop", "else publish std_msgs/Float64 { data: 0.0 }");
     let over = watch(&instead, script);
     assert_eq!(numbers(&over, "/cmd"), [(0.5, 0.0), (1.5, 1.0), (2.5, 0.0), (3.5, 1.0), (4.0, 0.0)]);
+}
+
+#[test]
+fn specifications_that_cannot_be_carried_out_end_nothing() {
+    let script = Script::of(6.0).offers(0.1, 1, "/odom").says(0.5, 1, 1.0).says(4.0, 1, 3.0);
+    let next = BRAKES.replace("std_msgs/Float64 {", "demo/Unheard {");
+    let over = watch_followed(BRAKES, (2.0, &next), script.clone(), wall());
+    assert_eq!((over.outcome.ended, over.outcome.next.is_none()), (Ended::Stopped, true));
+    let told = over.told.notes.join("\n");
+    assert!(
+        told.contains("`publish /brake demo/Unheard` cannot be done") && told.contains("goes on as it is"),
+        "{told}"
+    );
+    assert_eq!(numbers(&over, "/brake"), [(4.0, 0.5)]);
+    over.agrees();
+
+    let over = watch_followed(BRAKES, (2.0, &BRAKES.replace("> 2", "> 1")), script, wall());
+    assert_eq!((over.outcome.ended, over.outcome.next.map(|specs| specs.len())), (Ended::Reloaded, Some(1)));
 }

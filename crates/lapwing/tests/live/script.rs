@@ -229,6 +229,15 @@ struct Onlooking {
     now: Arc<AtomicI64>,
     until: i64,
     told: Told,
+    /// Specifications that are to follow, and from when on.
+    next: Option<(i64, Vec<Spec>)>,
+}
+
+impl Onlooking {
+    /// Looks on until then.
+    fn until(seconds: f64, now: Arc<AtomicI64>) -> Onlooking {
+        Onlooking { now, until: at(seconds).0, told: Told::default(), next: None }
+    }
 }
 
 impl Watch for Onlooking {
@@ -262,6 +271,11 @@ impl Onlooker for Onlooking {
     fn look(&mut self, view: &View) {
         self.told.views.push(view.clone());
     }
+
+    fn reloads(&mut self) -> Option<Vec<Spec>> {
+        let now = self.now.load(Ordering::Relaxed);
+        self.next.take_if(|(from, _)| *from <= now).map(|(_, specs)| specs)
+    }
 }
 
 /// A run that is over.
@@ -289,12 +303,31 @@ pub fn watch_as(spec: &str, script: Script, options: LiveOptions) -> Over {
 
 /// The same; an error says why it cannot begin.
 pub fn try_watch(spec: &str, script: Script, options: LiveOptions) -> Result<Over, String> {
-    let specs = vec![Spec::parse("live.rv", spec, &|_| None).unwrap_or_else(|e| panic!("{e}"))];
+    watch_until(spec, None, script, options)
+}
+
+/// Watches a script with a specification that is to be followed by another one, so many seconds from the beginning.
+pub fn watch_followed(spec: &str, next: (f64, &str), script: Script, options: LiveOptions) -> Over {
+    let next = (at(next.0).0, parsed(next.1));
+    watch_until(spec, Some(next), script, options).unwrap_or_else(|why| panic!("{why}"))
+}
+
+fn parsed(spec: &str) -> Vec<Spec> {
+    vec![Spec::parse("live.rv", spec, &|_| None).unwrap_or_else(|e| panic!("{e}"))]
+}
+
+fn watch_until(
+    spec: &str,
+    next: Option<(i64, Vec<Spec>)>,
+    script: Script,
+    options: LiveOptions,
+) -> Result<Over, String> {
+    let specs = parsed(spec);
     let folder = tempfile::tempdir().unwrap();
     let recording = folder.path().join("run.mcap");
     let now = Arc::new(AtomicI64::new(START));
     let asked = Arc::new(Mutex::new(Asked::default()));
-    let mut onlooker = Onlooking { now: now.clone(), until: at(script.until).0, told: Told::default() };
+    let mut onlooker = Onlooking { next, ..Onlooking::until(script.until, now.clone()) };
     let player = Player { arrivals: script.arrivals.into(), now, asked: asked.clone() };
     let checking = options.checking.clone();
     let mut station = Station::new(Box::new(player), LiveOptions { record: Some(recording.clone()), ..options });
@@ -313,9 +346,8 @@ pub fn asked_by_both(first: &str, second: &str, script: Script) -> Asked {
     let player = Player { arrivals: script.arrivals.into(), now: now.clone(), asked: asked.clone() };
     let mut station = Station::new(Box::new(player), LiveOptions::default());
     for (spec, until) in halves {
-        let specs = [Spec::parse("live.rv", spec, &|_| None).unwrap_or_else(|e| panic!("{e}"))];
-        let mut onlooker = Onlooking { now: now.clone(), until: at(until).0, told: Told::default() };
-        station.run(&specs, &mut onlooker).unwrap();
+        let mut onlooker = Onlooking::until(until, now.clone());
+        station.run(&parsed(spec), &mut onlooker).unwrap();
     }
     std::mem::take(&mut *asked.lock().unwrap())
 }

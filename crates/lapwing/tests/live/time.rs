@@ -131,3 +131,19 @@ fn headers_may_count_and_the_recording_agrees_under_the_same_option() {
     assert_eq!(over.outcome.report.properties[0].violations[0].failed.seconds(), 1005.0);
     over.agrees();
 }
+
+#[test]
+fn a_clock_that_is_found_late_counts_where_nothing_was_judged() {
+    // As where discovery takes its time: everything is found together, after the second in which a clock is waited for.
+    let script = Script::of(20.0).blinds(1.0, "/asked", lapwing_ros::connector::Cause::NoPublisher);
+    let script = script.offers(1.2, 1, "/asked").offers(1.2, 2, "/done");
+    let script = script.clears(1.2, "/asked", lapwing_ros::connector::Cause::NoPublisher);
+    let script = script.offers_type(1.25, 99, "/clock", "rosgraph_msgs/Clock", "time clock\n");
+    let script = script.keeps_ticking(1.5, 10.0, 100.0).says(1.55, 1, 0.0).says(1.56, 2, 0.0).says(3.05, 1, 1.0);
+    let over = watch(ANSWERED, script);
+    assert!(over.told.notes.iter().any(|note| note.contains("anew, by simulated time")), "{:?}", over.told.notes);
+    let violation = &over.outcome.report.properties[0].violations[0];
+    assert_eq!((violation.began.seconds(), violation.failed.seconds()), (101.5, 102.5));
+    assert!(over.asked.subscribed.contains(&"/clock".to_owned()));
+    over.agrees();
+}

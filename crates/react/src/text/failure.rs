@@ -24,7 +24,8 @@ pub(crate) fn explanation(report: &Report, property: &Property, paint: Paint) ->
         None => out += &format!("{}\n", paint.doubt(&property.cause.clone().unwrap_or_default())),
     }
     for reaction in &property.reactions {
-        out += &format!("On a live robot: {reaction}\n");
+        let when = if reaction.starts_with("would ") { "On a live robot" } else { "On violation" };
+        out += &format!("{when}: {reaction}\n");
     }
     for hint in &property.hints {
         out += &format!("{} {}\n", paint.doubt("Look at:"), hint.replace('\n', "\n  "));

@@ -47,7 +47,11 @@ pub(crate) fn summary(tally: &Tally, style: Style) -> String {
         parts.push(paint.doubt(&format!("{} vacuous", tally.vacuous)));
     }
     if tally.gaps > 0 {
-        parts.push(paint.doubt(&format!("{} not read whole", count(tally.gaps, "recording", "recordings"))));
+        let cut = match tally.is_live {
+            true => format!("{} cut short", count(tally.gaps, "run", "runs")),
+            false => format!("{} not read whole", count(tally.gaps, "recording", "recordings")),
+        };
+        parts.push(paint.doubt(&cut));
     }
     if parts.is_empty() {
         let why =
@@ -56,6 +60,7 @@ pub(crate) fn summary(tally: &Tally, style: Style) -> String {
     }
     let traces = match tally.traces {
         0 | 1 => String::new(),
+        n if tally.is_live => format!(" in {}", count(n, "run", "runs")),
         n => format!(" in {}", count(n, "recording", "recordings")),
     };
     format!("\n{}{traces}\n", parts.join(", "))

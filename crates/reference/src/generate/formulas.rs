@@ -72,7 +72,7 @@ fn shape() -> TraceShape {
         schemaless: true,
         columns_open: false,
         events: ["kick", "drop", "tick"].map(String::from).to_vec(),
-        live: false,
+        ..TraceShape::default()
     }
 }
 

@@ -3,10 +3,10 @@
 use std::time::{Duration, Instant};
 
 use super::catalogue::{Arrived, Catalogue};
-use super::name;
 use super::qos::Reading;
 use super::wire::{RawReader, Sample, Wire};
-use crate::connector::Happening;
+use super::{name, room};
+use crate::connector::{Happening, Refused};
 use crate::inbox::Inbox;
 
 /// How many bytes of messages of a topic may wait inside of DDS, and between which numbers of messages that has to lie: the cache counts only
@@ -18,6 +18,14 @@ const TURN: usize = 512;
 /// How many messages wait, and how long, for their publisher to be discovered and their definition to be found.
 const HELD: usize = 256;
 const HELD_FOR: Duration = Duration::from_secs(5);
+
+/// After so many bytes of large messages, or so many of them, a reader is followed by another one, and stays for that long beside it.
+///
+/// RustDDS keeps what comes twice of a large message as one that never becomes whole, for ten seconds, and stops when there are 128 of them: only a
+/// reader's end frees it of them. What both readers hear is delivered once, as messages are numbered.
+const WORN: usize = 160 << 20;
+const WORN_BY: usize = 48;
+const OVERLAP: Duration = Duration::from_secs(1);
 
 /// A reader of a topic.
 pub struct Feed {
@@ -34,6 +42,11 @@ pub struct Feed {
     /// The room that its topic has.
     room: i32,
     held: Vec<(Instant, Sample)>,
+    is_advised: bool,
+    /// How much the reader has read of large messages, in bytes.
+    worn: usize,
+    /// The reader before, and since when it is only beside.
+    before: Option<(Instant, RawReader)>,
 }
 
 /// What a feed delivers to, and when.
@@ -52,7 +65,18 @@ impl Feed {
     /// A feed of a reader that was made with the [room](Feed::ROOM) of the beginning.
     pub fn new(reader: RawReader, topic: &str, type_name: &str, reading: Reading) -> Feed {
         let (topic, type_name) = (topic.to_owned(), type_name.to_owned());
-        Feed { reader, topic, type_name, reading, is_ready: true, room: Feed::ROOM, held: Vec::new() }
+        Feed {
+            reader,
+            topic,
+            type_name,
+            reading,
+            is_ready: true,
+            room: Feed::ROOM,
+            held: Vec::new(),
+            is_advised: false,
+            worn: 0,
+            before: None,
+        }
     }
 
     /// For so many messages there is room before the first one has come.
@@ -92,6 +116,10 @@ impl Feed {
             Arrived::Here { stream, missing } => {
                 if missing > 0 {
                     post.inbox.push(Happening::Lost { stream, count: missing });
+                    self.advise(sample.payload.len(), post.inbox);
+                }
+                if room::is_large(sample.payload.len()) {
+                    self.worn += sample.payload.len().max(WORN.div_ceil(WORN_BY));
                 }
                 self.make_room(post.wire, sample.payload.len());
                 post.inbox.push(Happening::Message { stream, payload: sample.payload });
@@ -106,6 +134,35 @@ impl Feed {
                 let note = format!("a message on {} is left out: its publisher does not make itself known", self.topic);
                 post.inbox.push(Happening::Note(note));
             }
+        }
+    }
+
+    /// Has a reader followed that has read so much of large messages; `watch` has the next one watched. Should it not be made, it is tried again with
+    /// the next messages.
+    pub fn renew(&mut self, now: Instant, wire: &Wire, watch: impl FnOnce(&mut RawReader) -> Result<(), Refused>) {
+        if self.before.as_ref().is_some_and(|(since, _)| now >= *since + OVERLAP) {
+            self.before = None;
+        }
+        if self.worn < WORN || self.before.is_some() {
+            return;
+        }
+        self.worn = 0;
+        let ty = name::type_on_wire(&self.type_name).unwrap_or_else(|| self.type_name.clone());
+        let request = self.reading.request(self.room);
+        let Ok(mut next) = wire.read_instead(&name::topic_on_wire(&self.topic), &ty, &request, &self.reader) else {
+            return;
+        };
+        if watch(&mut next).is_ok() {
+            self.before = Some((now, std::mem::replace(&mut self.reader, next)));
+            self.is_ready = true;
+        }
+    }
+
+    /// Says once what helps, where messages are lost because they are large.
+    fn advise(&mut self, size: usize, inbox: &Inbox) {
+        if !std::mem::replace(&mut self.is_advised, true) {
+            let advice = room::allowed().and_then(|allowed| room::advice(&self.topic, size, allowed));
+            advice.into_iter().for_each(|text| inbox.push(Happening::Note(text)));
         }
     }
 

@@ -7,7 +7,7 @@
 //! - [`graph`]: nodes and their endpoints.
 //! - [`catalogue`]: publishers, streams, and what stands in the way.
 //! - [`client`]: services; [`seek`]: definitions that were asked for by name.
-//! - [`feed`]: a reader of a topic.
+//! - [`feed`]: a reader of a topic; [`room`]: what a socket holds for it.
 //! - [`wire`]: DDS itself, by RustDDS; [`cdr`]: the messages of the graph.
 //! - [`worker`]: the thread that does it all.
 
@@ -22,6 +22,7 @@ pub mod graph;
 mod name;
 mod qos;
 mod reach;
+mod room;
 mod seek;
 mod wire;
 mod worker;
@@ -43,8 +44,9 @@ use reach::Reach;
 use wire::{RawWriter, Wire};
 use worker::{Command, Worker};
 
-/// How long the graph is asked for a definition that the machine does not have.
+/// How long the graph is asked for a definition that the machine does not have: from the start on, as nodes have to be found first, and later.
 const ASKING: Duration = Duration::from_secs(5);
+const ASKING_LATER: Duration = Duration::from_secs(1);
 
 /// Joins the ROS 2 graph as a node of that name (`/lapwing`), on the domain given or that of `ROS_DOMAIN_ID`, with the definitions of
 /// `AMENT_PREFIX_PATH`.
@@ -69,6 +71,7 @@ pub fn connect_with(domain: Option<u16>, node_name: &str, trees: &[PathBuf]) -> 
     let thread = thread.map_err(|e| Refused(format!("no thread can be started: {e}")))?;
     Ok(Box::new(Ros2 {
         domain: reach.domain,
+        joined: Instant::now(),
         wire,
         inbox,
         definitions: Definitions::new(trees),
@@ -83,6 +86,7 @@ pub fn connect_with(domain: Option<u16>, node_name: &str, trees: &[PathBuf]) -> 
 /// A ROS 2 graph.
 struct Ros2 {
     domain: u16,
+    joined: Instant,
     wire: Wire,
     inbox: Inbox,
     definitions: Definitions,
@@ -163,7 +167,7 @@ impl Connector for Ros2 {
             return Err(Refused(seek::nowhere(type_name)));
         }
         let (reply, answer) = channel();
-        let deadline = Instant::now() + ASKING;
+        let deadline = (self.joined + ASKING).max(Instant::now() + ASKING_LATER);
         self.tell(Command::Define { type_name: type_name.to_owned(), deadline, reply })?;
         let nobody = |_| Refused(format!("nobody on the graph described {type_name}"));
         answer.recv_timeout(ASKING * 2).map_err(nobody)?

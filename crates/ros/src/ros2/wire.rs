@@ -15,7 +15,7 @@ use rustdds::{
 use super::cdr::LITTLE;
 use super::graph::{Gid, Node, Participant};
 use super::reach::Reach;
-use super::{graph, qos};
+use super::{graph, qos, room};
 use crate::connector::Refused;
 
 /// Payloads pass as they are, with their encapsulation in front.
@@ -192,7 +192,7 @@ struct Presence {
 impl Wire {
     /// Joins a domain as a node of that name: `/lapwing`, `/robot1/lapwing`.
     pub fn join(reach: Reach, node: &str) -> Result<Wire, Refused> {
-        let mut builder = DomainParticipantBuilder::new(reach.domain);
+        let mut builder = DomainParticipantBuilder::new(reach.domain).socket_receive_buffer_size(room::WANTED);
         if reach.loopback_only {
             builder = builder.with_only_networks([Ipv4Addr::LOCALHOST]);
         }
@@ -254,6 +254,20 @@ impl Wire {
     pub fn read(&self, topic_name: &str, type_name: &str, qos: &QosPolicies) -> Result<RawReader, Refused> {
         let reader = self.read_quietly(topic_name, type_name, qos)?;
         self.tell(|node| node.readers.push(reader.guid().to_bytes()));
+        Ok(reader)
+    }
+
+    /// Reads a topic on the wire, as the node, instead of a reader that is to end.
+    pub fn read_instead(
+        &self,
+        topic_name: &str,
+        type_name: &str,
+        qos: &QosPolicies,
+        before: &RawReader,
+    ) -> Result<RawReader, Refused> {
+        let reader = self.read_quietly(topic_name, type_name, qos)?;
+        let (old, new) = (before.guid().to_bytes(), reader.guid().to_bytes());
+        self.tell(|node| node.readers.iter_mut().filter(|gid| **gid == old).for_each(|gid| *gid = new));
         Ok(reader)
     }
 

@@ -416,9 +416,10 @@ impl Worker {
             self.swept = now;
         }
         let mut post = Post { catalogue: &mut self.catalogue, inbox: &self.inbox, wire: &self.wire, now };
-        for feed in self.feeds.values_mut() {
+        for (token, feed) in &mut self.feeds {
             feed.is_ready |= is_due;
             feed.deliver_all(&mut post);
+            feed.renew(now, &self.wire, |reader| watch(&self.poll, reader.source(), Token(*token)));
             self.is_changed |= feed.is_holding();
         }
     }

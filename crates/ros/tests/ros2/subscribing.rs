@@ -155,3 +155,23 @@ fn what_cannot_be_had_is_named() {
     let Cause::Incompatible(why) = heard.blind("/cmd_vel", |cause| *cause != Cause::NoPublisher) else { panic!() };
     assert!(why.contains("XCDR2"), "{why}");
 }
+
+/// Readers of large messages follow one another: nothing is told twice for it, nothing out of order, and nothing is missing without a word.
+#[test]
+fn readers_of_large_messages_follow_one_another_unnoticed() {
+    let _peer =
+        Peer::rclpy(111, "publish /points sensor_msgs/PointCloud2 --bytes 250000 --rate 60 --depth 50 --wait-for 1");
+    let mut heard = Heard::on(111, &["/points"]);
+    let offer = heard.offer("/points");
+    let (mut last, mut missing) = (None, 0.0);
+    // A reader is followed after 48 messages, and the one before ends a second later.
+    for _ in 0..200 {
+        let message = heard.message(offer.stream);
+        let number = numbers(&offer.channel, &message, &["header.stamp.sec"])[0];
+        if let Some(last) = last.replace(number) {
+            assert!(number > last, "{number} after {last}");
+            missing += number - last - 1.0;
+        }
+    }
+    assert_eq!(heard.lost() as f64, missing);
+}

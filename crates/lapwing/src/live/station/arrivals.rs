@@ -46,6 +46,7 @@ impl Station {
                     met.last.push_back(payload.clone());
                 }
                 self.figures.messages += 1;
+                duty.has_heard = true;
                 Seen::Message { stream: stream.0, payload }
             }
             Happening::Lost { stream, count } => {
@@ -92,7 +93,11 @@ impl Station {
         if topic == CLOCK && self.clock.is_simulated() {
             self.subscribe(vec![CLOCK.to_owned()]);
         } else if topic == CLOCK && was_wall && self.options.clock == ClockChoice::Auto {
-            duty.watch.note("somebody publishes /clock now, but this run goes by the wall clock: begin it anew, or with simulated time");
+            duty.is_misled = !duty.has_heard;
+            if duty.has_heard {
+                let late = "somebody publishes /clock now, but this run goes by the wall clock";
+                duty.watch.note(&format!("{late}: begin it anew, or with --clock sim"));
+            }
         }
         self.is_unasked |= specs.iter().any(Spec::runs_over_topics);
     }
@@ -112,7 +117,7 @@ impl Station {
     fn wanted_of_all(&self, specs: &[Spec]) -> Vec<String> {
         let mut graph = Graph::default();
         for (stream, met) in &self.known {
-            graph.offer(*stream, met.channel.clone(), met.latched);
+            graph.offer(Time(0), *stream, met.channel.clone(), met.latched);
         }
         let shape = graph.whole_shape();
         let topics = specs.iter().flat_map(|spec| spec.against(&shape).spec.topics);

@@ -11,6 +11,7 @@ use crate::live::graph::absolute;
 use crate::live::guard::Guard;
 use crate::live::reactions::Reactions;
 use crate::live::tape::Tape;
+use crate::spec::Spec;
 
 /// One run of some specifications.
 pub(super) struct Duty<'r, 's> {
@@ -21,6 +22,12 @@ pub(super) struct Duty<'r, 's> {
     pub guards: Vec<Guard>,
     /// Whether a reaction wants the run to end.
     pub stops: bool,
+    /// Whether a message came.
+    pub has_heard: bool,
+    /// Whether it goes by the wall clock, and should have gone by simulated time.
+    pub is_misled: bool,
+    /// The specifications that are to follow.
+    pub next: Option<Vec<Spec>>,
     /// When it was told last how things stand.
     pub shown: Option<Time>,
     pub watch: &'r mut dyn Onlooker,
