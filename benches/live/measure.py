@@ -10,7 +10,8 @@ rates     what a publisher and its other subscriber notice of being watched: rat
 soak      memory over an hour of the simulator's patrol, twenty times as fast as real time (SOAK: so many simulated seconds), and the verdicts
 
 Run by /usr/bin/python3; `LAPWING` names the program, target/release/lapwing by default. The nodes by rclpy run in .venv-jazzy. Nothing is asserted
-but that Lapwing sees everything or says what it lost: how long a thing takes is a matter of the machine and of what else it does.
+but that Lapwing sees everything or says what it lost, and that the hour's verdicts are right and its memory stays: how long a thing takes is a
+matter of the machine and of what else it does.
 """
 
 import json
@@ -34,6 +35,8 @@ from catch import LIMIT, Processes, Ros1, Ros2, free_port, wait  # noqa: E402  (
 LAPWING = os.environ.get("LAPWING", str(ROOT / "target/release/lapwing"))
 JAZZY = ROOT / ".venv-jazzy/bin/python"
 SECONDS = 10
+# What memory may grow by over the last two thirds of the hour, in megabytes: what is kept of the past fills up to its limits in that time.
+GROWTH = 30
 TICKS = os.sysconf("SC_CLK_TCK")
 PAGE = os.sysconf("SC_PAGE_SIZE")
 
@@ -203,9 +206,14 @@ def soak(graph):
             seen.append(usage.memory())
         state = monitor.state()
         failed = lambda p: "".join(f" at {v['failed_ns'] / 1e9:.2f} s" for v in p["violations"])
-        verdicts = ", ".join(f"{p['name']} {p['verdict']}{failed(p)}" for p in monitor.report())
+        properties = monitor.report()
+        verdicts = ", ".join(f"{p['name']} {p['verdict']}{failed(p)}" for p in properties)
         print(f"{name(graph)}, {seconds} simulated seconds, {state['messages']} messages, {state['lost']} lost: memory after each sixth "
               f"{', '.join(f'{mb:.1f}' for mb in seen)} MB; {verdicts}", flush=True)
+        violated = {p["name"]: [v["failed_ns"] / 1e9 for v in p["violations"]] for p in properties if p["verdict"] == "violated"}
+        is_right = list(violated) == ["fresh"] and all(silent <= at <= silent + 60 for at in violated["fresh"])
+        if not is_right or seen[-1] - seen[1] > GROWTH:
+            sys.exit("the verdicts are not those of the fault, or memory grows")
 
 
 def name(graph):
