@@ -348,7 +348,7 @@ impl Cx<'_> {
                 *part = written;
             }
         }
-        Some(parts.join("."))
+        lapwing_syntax::written(&parts.join("."))
     }
 
     /// What an unknown name was probably meant to be: a column, a declared name with the same tail, or a quantity of the same object.

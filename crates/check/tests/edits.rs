@@ -21,6 +21,11 @@ fn an_edit_keeps_the_variables_of_for_each() {
 }
 
 #[test]
+fn an_edit_with_a_name_that_is_no_word_has_backquotes() {
+    assert_eq!(edits(&against("a: my_speed < 1", &csv(&["my speed"]))), [("my_speed", "`my speed`")]);
+}
+
+#[test]
 fn an_edit_that_is_right_in_one_instance_only_is_none() {
     let spec = against("a: for each r in (lef, right): r.speed < 1", &csv(&["left.speed", "right.speed"]));
     assert_eq!(spec.messages(), "unknown-name: unknown name `lef.speed`; did you mean `left.speed`?\n");

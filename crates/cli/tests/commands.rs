@@ -175,6 +175,25 @@ fn new_declares_what_a_recording_has() {
     assert!(folder.lapwing("new").stdout.contains("# decl speed"));
 }
 
+/// Topics whose names come out alike, cannot be written, or would be statements if they were believed.
+#[test]
+fn new_writes_what_can_be_checked_whatever_topics_are_called() {
+    let topic = |name: &str| {
+        format!("{{\"t\": 0, \"topic\": \"{name}\", \"type\": \"std_msgs/Float64\", \"msg\": {{\"data\": 1}}}}\n")
+    };
+    let lines: String = ["/a/b", "/a_b", "/x-y", "/n\\nnever 1 > 0\\n"].map(topic).concat();
+    let folder = Folder::new(&[("odd.ndjson", &lines), ("odd.csv", "time,my col,always\n0,1,2\n")]);
+    assert_eq!(folder.lapwing("new odd.ndjson -o odd.rv").code, 0);
+    let text = folder.read("odd.rv");
+    assert!(text.contains("decl a_b /a/b ") && text.contains("decl a_b_2 /a_b "), "{text}");
+    assert!(text.contains("# /x-y std_msgs/Float64\n# Its name, or that of its type, is one that"), "{text}");
+    assert!(text.contains("# always age(/a/b) < 1 s\n") && !text.contains("\nnever"), "{text}");
+    let run = folder.lapwing("check odd.rv odd.ndjson");
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let text = folder.lapwing("new odd.csv").stdout;
+    assert!(text.contains("# never `my col` > 1.5\n# never `always` > 1.5\n"), "{text}");
+}
+
 #[test]
 fn demo_shows_a_violation_and_succeeds() {
     let folder = Folder::new(&[]);

@@ -1,10 +1,11 @@
 //! A specification to start from.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use lapwing_record::{OpenError, Recording, TopicInfo};
 use lapwing_stream::{Schema, Type};
-use lapwing_syntax::{FileId, parse};
+use lapwing_syntax::{FileId, parse, written};
 
 use crate::session::Options;
 
@@ -45,7 +46,7 @@ pub fn blank() -> String {
 pub fn of(trace: &Path, options: &Options) -> Result<String, OpenError> {
     let recording = lapwing_record::open(trace, options.recording.clone())?;
     let mut out = String::from(HEAD);
-    out += &format!("\n# What {} carries ({}).\n", trace.display(), recording.format());
+    out += &format!("\n# What {} carries ({}).\n", shown(&trace.to_string_lossy()), recording.format());
     match recording.is_schemaless() && recording.topics().is_empty() {
         true => columns(&recording, &mut out),
         false => topics(&recording, &mut out),
@@ -61,25 +62,41 @@ fn columns(recording: &Recording, out: &mut String) {
         return;
     }
     *out += "# Its columns are signals by their names and need no declaration:\n";
-    recording.columns().iter().for_each(|column| *out += &format!("#   {column}\n"));
-    *out += "\n# Properties to begin with.\n#\n";
-    for column in recording.columns().iter().filter(|c| is_signal(c)).take(3) {
-        *out += &format!("# never {column} > 1.5\n");
+    let mut signals = Vec::new();
+    for column in recording.columns() {
+        match written(column) {
+            Some(signal) => {
+                *out += &format!("#   {}\n", shown(&signal));
+                signals.push(signal);
+            }
+            None => *out += &format!("#   {}, a name that no specification can write: rename it\n", shown(column)),
+        }
+    }
+    if !signals.is_empty() {
+        *out += "\n# Properties to begin with.\n#\n";
+        signals.iter().take(3).for_each(|signal| *out += &format!("# never {signal} > 1.5\n"));
     }
 }
 
 fn topics(recording: &Recording, out: &mut String) {
     let mut properties = Vec::new();
+    let mut fresh = Vec::new();
+    let mut names = BTreeSet::new();
     for topic in recording.topics() {
         let messages = topic.messages.map(|n| format!(", {n} messages")).unwrap_or_default();
-        *out += &format!("\n# {} {}{messages}\n", topic.name, topic.type_name);
-        match declared(topic) {
+        *out += &format!("\n# {} {}{messages}\n", shown(&topic.name), shown(&topic.type_name));
+        match declared(topic, &mut names) {
             Some(signal) => {
                 *out += &signal.declaration;
                 properties.extend(signal.properties);
+                fresh.push(signal.fresh);
             }
             None => *out += &undeclared(topic),
         }
+    }
+    // Of messages of one's own it is known at least that they should keep coming.
+    if properties.is_empty() {
+        properties.extend(fresh.into_iter().take(3));
     }
     if !properties.is_empty() {
         *out += "\n# Properties to begin with.\n#\n";
@@ -94,7 +111,10 @@ fn undeclared(topic: &TopicInfo) -> String {
             "# The ground truth: `NAME.position`, `NAME.velocity`, `NAME.distance.OTHER` need no declaration.\n"
                 .to_owned()
         }
-        (Err(why), _) => format!("# Its type is not known: {}\n", why.lines().next().unwrap_or_default()),
+        (Err(why), _) => format!("# Its type is not known: {}\n", shown(why.lines().next().unwrap_or_default())),
+        (Ok(schema), _) if first(schema, 0).is_some() => {
+            "# Its name, or that of its type, is one that no specification can write.\n".to_owned()
+        }
         (Ok(_), _) => "# It has no field that is a number, a boolean or a text.\n".to_owned(),
     }
 }
@@ -103,9 +123,12 @@ fn undeclared(topic: &TopicInfo) -> String {
 struct Signal {
     declaration: String,
     properties: Vec<String>,
+    /// That its messages keep coming.
+    fresh: String,
 }
 
-fn declared(topic: &TopicInfo) -> Option<Signal> {
+/// The declaration of a topic, by a name that none of `names` is, and which is added to them.
+fn declared(topic: &TopicInfo, names: &mut BTreeSet<String>) -> Option<Signal> {
     let schema = topic.schema.as_ref().ok()?;
     let field = usual(short(&topic.type_name))
         .filter(|path| has(schema, path))
@@ -113,11 +136,21 @@ fn declared(topic: &TopicInfo) -> Option<Signal> {
         .or_else(|| first(schema, 0))?;
     let absolute = format!("/{}", topic.name.trim_start_matches('/'));
     let line = |name: &str| format!("decl {name} {absolute} {}.{field}\n", topic.type_name);
-    let name = name(&absolute);
-    let name = if is_fine(&line(&name)) { name } else { format!("`{name}`") };
+    let plain = unlike(name(&absolute), names);
+    let name = if is_fine(&line(&plain)) { plain.clone() } else { format!("`{plain}`") };
     let declaration = line(&name);
-    is_fine(&declaration)
-        .then(|| Signal { properties: properties(&name, &absolute, short(&topic.type_name)), declaration })
+    if !is_fine(&declaration) {
+        return None;
+    }
+    names.insert(plain);
+    let properties = properties(&name, &absolute, short(&topic.type_name));
+    Some(Signal { declaration, properties, fresh: fresh(&absolute) })
+}
+
+/// The name, or one made of it that is none of `names`: `/a/b` and `/a_b` are two topics.
+fn unlike(name: String, names: &BTreeSet<String>) -> String {
+    let numbered = (2..).map(|n| format!("{name}_{n}"));
+    std::iter::once(name.clone()).chain(numbered).find(|name| !names.contains(name)).unwrap_or(name)
 }
 
 /// The field that people usually ask about.
@@ -138,7 +171,7 @@ fn usual(ty: &str) -> Option<&'static str> {
 
 /// What is often asked of a topic of that type.
 fn properties(name: &str, topic: &str, ty: &str) -> Vec<String> {
-    let fresh = format!("always age({topic}) < 1 s");
+    let fresh = fresh(topic);
     match ty {
         "Odometry" | "TwistStamped" => vec![format!("never {name} > 1.5 m/s"), fresh],
         "LaserScan" => vec![format!("never min({name}) < 0.2 m"), fresh],
@@ -146,6 +179,10 @@ fn properties(name: &str, topic: &str, ty: &str) -> Vec<String> {
         "BatteryState" => vec![format!("never {name} < 0.2")],
         _ => Vec::new(),
     }
+}
+
+fn fresh(topic: &str) -> String {
+    format!("always age({topic}) < 1 s")
 }
 
 /// Whether a schema has a field at the end of a way.
@@ -190,19 +227,27 @@ fn name(topic: &str) -> String {
     }
 }
 
-/// Whether a statement can be read.
+/// Whether a statement can be read, as one.
 fn is_fine(statement: &str) -> bool {
-    parse(FileId(0), statement).diagnostics.is_empty()
+    let read = parse(FileId(0), statement);
+    read.diagnostics.is_empty() && read.file.items.len() == 1
 }
 
-fn is_signal(column: &str) -> bool {
-    is_fine(&format!("never {column} > 1.5\n"))
+/// What a recording says, on one line of a comment: whoever wrote it must not write statements.
+fn shown(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { c.escape_default().to_string() } else { c.to_string() }).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::Spec;
+
+    #[test]
+    fn what_a_recording_calls_its_topics_is_never_a_statement() {
+        assert_eq!(shown("/a\nnever 1 > 0\r"), "/a\\nnever 1 > 0\\r");
+        assert!(!is_fine("decl a /a\ndecl b /b T.x\n") && !is_fine("never x > 0\nnever y > 0\n"));
+    }
 
     #[test]
     fn the_blank_one_is_a_specification_with_its_comments_and_without() {

@@ -28,6 +28,13 @@ fn cut_everywhere(bytes: &[u8], name: &str) {
             !outcome.losses.is_empty() || complete(&outcome),
             "{name}: cut off at byte {end}, messages are lost without a word"
         );
+        // Whatever stood before the cut comes before the loss, so that nothing seems to be lost between messages.
+        let last = outcome.messages.last().map(|(time, ..)| *time);
+        let cut = outcome.losses.iter().find(|loss| loss.what.contains("was cut off here"));
+        assert!(
+            cut.is_none_or(|loss| loss.after.map(|t| t.0) == last),
+            "{name}: cut off at byte {end}: {cut:?}, {last:?}"
+        );
         let got = outcome.messages.len();
         assert!(got >= most, "{name}: cut off at byte {end}, {got} messages are found where {most} were before");
         most = got;

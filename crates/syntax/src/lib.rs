@@ -23,6 +23,17 @@ pub use print::print_expr;
 pub use token::{Place, Role, Token, TokenKind};
 pub use unit::{DurationError, nanoseconds};
 
+/// A name of a recording as a specification has to write it: as it is, in backquotes where it would mean something else, or not at all.
+pub fn written(name: &str) -> Option<String> {
+    let stands = |written: &str| parse(FileId::default(), &format!("never {written} > 0\n")).diagnostics.is_empty();
+    let is_bare = name.starts_with(lexer::is_name_start) && name.chars().all(|c| c == '.' || lexer::is_name_part(c));
+    if is_bare && stands(name) {
+        return Some(name.to_owned());
+    }
+    let quoted = format!("`{name}`");
+    (!name.contains(['`', '\n', '\r']) && stands(&quoted)).then_some(quoted)
+}
+
 /// The tokens of a text, comments among them, each with what it is where it stands: for an editor.
 pub fn tokens(text: &str) -> Vec<Token> {
     parse(FileId::default(), text).tokens

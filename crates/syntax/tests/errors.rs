@@ -54,12 +54,31 @@ fn misspelt_words() {
     }
 }
 
+/// What somebody who is new writes, and what the help says to do.
+#[test]
+fn helps() {
+    for (text, help) in [
+        ("always eventually x < 0.1 within 3 s", "a time bound stands before what it bounds"),
+        ("always x for 2 s", "a time bound stands before what it bounds"),
+        ("whenever x > 0 for 0.5 s, y > 0", "`held for 2 s (X)`"),
+        ("// x\nnever y > 2", "a comment begins with `#`"),
+        ("never x > 1,5", "a point: `1.5`"),
+        ("never x > 1.5 mph", "if `mph` is meant as a unit: the units are `ns`"),
+    ] {
+        let diagnostics = parse(FileId(0), text).diagnostics;
+        let said = diagnostics.iter().flat_map(|d| &d.help).any(|said| said.contains(help));
+        assert!(said, "{text}\n{diagnostics:#?}");
+    }
+}
+
 #[test]
 fn cures() {
     check_cures(&[
         ("nevr x > 2", "never x > 2"),
         ("never x > 2 adn y", "never x > 2 and y"),
         ("after x never y", "after x, never y"),
+        ("whenever x == 0 eventually y", "whenever x == 0, eventually y"),
+        ("never x =< 2", "never x <= 2"),
         ("after_until x, y > 2 eventually z", "after_until x, y > 2, eventually z"),
         ("always x && y", "always x and y"),
         ("x => y", "x implies y"),
@@ -88,6 +107,7 @@ fn cures() {
 fn scopes_and_their_commas() {
     check(&[
         ("after x never y", Code::MissingComma, "", "a comma is missing before `never`"),
+        ("whenever x == 0 eventually y", Code::MissingComma, "", "a comma is missing before `eventually`"),
         ("after x > 2 y > 3", Code::MissingComma, "", "a comma is missing before `y`"),
         ("after_until x, y not z", Code::MissingComma, "", "a comma is missing before `not`"),
         (
@@ -107,6 +127,7 @@ fn operators_of_other_languages() {
         ("x & y", Code::ForeignOperator, "&", "`&` is written `and` here"),
         ("x || y", Code::ForeignOperator, "||", "`||` is written `or` here"),
         ("x -> y", Code::ForeignOperator, "->", "`->` is written `implies` here"),
+        ("never x =< y", Code::ForeignOperator, "=<", "`=<` is written `<=` here"),
         ("x <=> y", Code::ForeignOperator, "<=>", "`<=>` is written `iff` here"),
         ("not !x", Code::ForeignOperator, "!", "`!` is written `not` here"),
         ("[] x", Code::LtlNotation, "[]", "`[]` is understood inside `ltl(…)` only"),

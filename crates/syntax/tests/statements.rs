@@ -269,3 +269,21 @@ fn a_property_is_what_its_span_covers() {
     assert_eq!((file.items[0].span.start, file.items[0].span.end), (0, 13));
     assert!(matches!(&file.items[0].kind, ItemKind::Property(p) if p.body.span.start == 12));
 }
+
+#[test]
+fn names_of_recordings_are_written_so_that_they_are_names() {
+    for (name, as_written) in [
+        ("speed", Some("speed")),
+        ("robot.velocity", Some("robot.velocity")),
+        ("my col", Some("`my col`")),
+        ("/odom.x", Some("`/odom.x`")),
+        ("always", Some("`always`")),
+        ("2nd", Some("`2nd`")),
+        ("x > 0 and y", Some("`x > 0 and y`")),
+        ("a`b", None),
+        ("a\nnever b", None),
+        ("", None),
+    ] {
+        assert_eq!(lapwing_syntax::written(name).as_deref(), as_written, "{name}");
+    }
+}

@@ -97,7 +97,7 @@ fn topic_named(cx: &mut Cx, env: &Env, arg: &ast::Expr) -> Option<ast::Topic> {
         }
         _ => {}
     }
-    let text = cx.sources.slice(arg.span).to_owned();
+    let text = cx.sources.slice(arg.span).trim_matches('"').trim_start_matches('/').to_owned();
     let diagnostic = Diagnostic::new(Code::WrongArguments, arg.span, "a topic is wanted here")
         .label("no topic")
         .help(format!("a topic begins with a slash: `/{text}`"));

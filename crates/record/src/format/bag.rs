@@ -51,6 +51,8 @@ pub(crate) struct Bag {
     first: u64,
     ended: bool,
     closed: bool,
+    /// Where the bag was cut off, until that is told: once all that was there before the cut has been read.
+    cut: Option<u64>,
 }
 
 impl Bag {
@@ -71,6 +73,7 @@ impl Bag {
             first: 0,
             ended: false,
             closed: false,
+            cut: None,
         };
         bag.check_version(path)?;
         bag.learn().map_err(|e| OpenError::Io { path: path.to_owned(), error: e.error })?;
@@ -96,7 +99,7 @@ impl Bag {
     fn learn(&mut self) -> Result<(), ReadError> {
         let mut losses = Losses::new(1);
         let start = self.input.at();
-        let index = match self.record(start, &mut losses)? {
+        let index = match self.record(start)? {
             Some((header, length)) if header.op == op::BAG && length <= self.input.left() => {
                 self.input.seek(self.input.at() + length)?;
                 self.first = self.input.at();
@@ -118,7 +121,7 @@ impl Bag {
     fn rewind(&mut self) -> Result<(), ReadError> {
         self.chunk.clear();
         self.chunk_at = 0;
-        self.ended = false;
+        (self.ended, self.cut) = (false, None);
         self.input.seek(self.first)
     }
 
@@ -128,7 +131,7 @@ impl Bag {
         let mut counts: BTreeMap<u32, u64> = BTreeMap::new();
         while self.input.left() > 0 {
             let start = self.input.at();
-            let Some((header, length)) = self.record(start, losses)? else { return Ok(false) };
+            let Some((header, length)) = self.record(start)? else { return Ok(false) };
             if length > self.input.left() || length > self.limits.record {
                 return Ok(false);
             }
@@ -166,16 +169,16 @@ impl Bag {
     }
 
     /// The header of the next record of the file and the length of its data, which comes next.
-    fn record(&mut self, start: u64, losses: &mut Losses) -> Result<Option<(Header, u64)>, ReadError> {
-        let Some(length) = self.number()? else { return Ok(self.cut_off(start, losses)) };
+    fn record(&mut self, start: u64) -> Result<Option<(Header, u64)>, ReadError> {
+        let Some(length) = self.number()? else { return Ok(self.cut_off(start)) };
         if length > MAX_HEADER || u64::from(length) > self.input.left() {
-            return Ok(self.cut_off(start, losses));
+            return Ok(self.cut_off(start));
         }
         let mut bytes = std::mem::take(&mut self.header);
         self.input.read(length as usize, &mut bytes)?;
         let header = Header::parse(&bytes);
         self.header = bytes;
-        let (Some(header), Some(data)) = (header, self.number()?) else { return Ok(self.cut_off(start, losses)) };
+        let (Some(header), Some(data)) = (header, self.number()?) else { return Ok(self.cut_off(start)) };
         Ok(Some((header, u64::from(data))))
     }
 
@@ -188,9 +191,8 @@ impl Bag {
         Ok(Some(u32::from_le_bytes(bytes)))
     }
 
-    fn cut_off<T>(&mut self, start: u64, losses: &mut Losses) -> Option<T> {
-        losses.add(self.input.place(start), "the bag was cut off here, or is damaged: what would follow is lost");
-        self.ended = true;
+    fn cut_off<T>(&mut self, start: u64) -> Option<T> {
+        (self.ended, self.cut) = (true, Some(start));
         None
     }
 
@@ -209,10 +211,10 @@ impl Bag {
             self.end(losses);
             return Ok(None);
         }
-        let Some((header, length)) = self.record(start, losses)? else { return Ok(None) };
+        let Some((header, length)) = self.record(start)? else { return Ok(None) };
         match header.op {
             op::CHUNK => self.read_chunk(&header, start, length, losses).map(|()| None),
-            _ if length > self.input.left() => Ok(self.cut_off(start, losses)),
+            _ if length > self.input.left() => Ok(self.cut_off(start)),
             op::MESSAGE | op::CONNECTION => self.lone(start, length, losses, &header),
             _ => self.input.seek(self.input.at() + length).map(|()| None),
         }
@@ -255,7 +257,7 @@ impl Bag {
         }
         self.packed = packed;
         if there < length {
-            self.cut_off::<()>(start, losses);
+            self.cut_off::<()>(start);
         }
         Ok(())
     }
@@ -416,6 +418,10 @@ impl Source for Bag {
                 return Ok(Some(found));
             }
             if self.ended {
+                if let Some(start) = self.cut.take() {
+                    let what = "the bag was cut off here, or is damaged: what would follow is lost";
+                    losses.add(self.input.place(start), what);
+                }
                 return Ok(None);
             }
             if let Some(found) = self.next_record(losses)? {

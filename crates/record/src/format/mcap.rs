@@ -70,6 +70,8 @@ pub(crate) struct Mcap {
     index: Index,
     /// Whether no more messages follow.
     ended: bool,
+    /// Where the file was cut off, until that is told: once all that was there before the cut has been read.
+    cut: Option<u64>,
 }
 
 /// How messages are decoded, or why they cannot be, and what the file says of their type.
@@ -107,6 +109,7 @@ impl Mcap {
             summary: None,
             index: Index::default(),
             ended: false,
+            cut: None,
         };
         let found = mcap.learn().map_err(|e| OpenError::Io { path: shown.to_owned(), error: e.error });
         found.map(|()| mcap)
@@ -126,7 +129,7 @@ impl Mcap {
         self.current = Current::Nowhere;
         self.walked = None;
         self.index.clear();
-        self.ended = false;
+        (self.ended, self.cut) = (false, None);
         self.input.seek(MAGIC.len() as u64)
     }
 
@@ -203,7 +206,7 @@ impl Mcap {
             return self.input.seek(after.min(self.input.len())).map(|()| None);
         }
         if self.input.left() < FRAME {
-            return self.cut_off(start, losses);
+            return Ok(self.cut_off(start));
         }
         let mut frame = [0; FRAME as usize];
         self.input.read_array(&mut frame)?;
@@ -230,7 +233,7 @@ impl Mcap {
                 self.ended = true;
                 Ok(None)
             }
-            _ if length > self.input.left() => self.cut_off(start, losses),
+            _ if length > self.input.left() => Ok(self.cut_off(start)),
             _ if op == Op::Message as u8 => self.message_in_file(start, length, losses),
             _ => {
                 self.declaration(op, start, length, losses)?;
@@ -239,10 +242,9 @@ impl Mcap {
         }
     }
 
-    fn cut_off(&mut self, start: u64, losses: &mut Losses) -> Result<Option<(Time, Head)>, ReadError> {
-        losses.add(self.input.place(start), "the file was cut off here, or is damaged: what would follow is lost");
-        self.ended = true;
-        Ok(None)
+    fn cut_off<T>(&mut self, start: u64) -> Option<T> {
+        (self.ended, self.cut) = (true, Some(start));
+        None
     }
 
     fn message_in_file(
@@ -372,7 +374,7 @@ impl Mcap {
             self.chunk.clear();
         }
         if there < length {
-            self.cut_off(start, losses)?;
+            self.cut_off::<()>(start);
         }
         Ok(())
     }
@@ -457,6 +459,10 @@ impl Source for Mcap {
                 return Ok(Some(found));
             }
             if self.ended {
+                if let Some(start) = self.cut.take() {
+                    let what = "the file was cut off here, or is damaged: what would follow is lost";
+                    losses.add(self.input.place(start), what);
+                }
                 self.check_index(losses);
                 return Ok(None);
             }

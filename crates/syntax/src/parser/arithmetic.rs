@@ -19,7 +19,7 @@ impl Parser<'_> {
     /// The operator, its margin, the right side.
     fn compared(&mut self, start: usize, left: Tree, operator: Binary) -> Parse<Tree> {
         let height = self.height;
-        self.check_equals();
+        let operator = self.check_equals(operator);
         self.cursor.bump_joining(Role::Operator);
         let margin = self.margin()?;
         let height = height.max(self.height);
@@ -42,14 +42,22 @@ impl Parser<'_> {
         Ok(right)
     }
 
-    /// `=` in place of `==`.
-    fn check_equals(&mut self) {
-        if self.cursor.kind() == TokenKind::Equals {
-            let span = self.cursor.span();
-            let diagnostic =
-                Diagnostic::new(Code::SingleEquals, span, "`=` gives something a name; it does not compare");
-            self.report(diagnostic.help("to compare, write `==`").fix(span, "=="));
+    /// `=` in place of `==`, `=<` in place of `<=`: the operator that was meant, at its last token.
+    fn check_equals(&mut self, operator: Binary) -> Binary {
+        if self.cursor.kind() != TokenKind::Equals {
+            return operator;
         }
+        let span = self.cursor.span();
+        let both = self.cursor.span_ahead(1);
+        if self.cursor.ahead(1) == TokenKind::Less && self.cursor.slice(both) == "=<" {
+            self.cursor.bump(Role::Operator);
+            let diagnostic = Diagnostic::new(Code::ForeignOperator, both, "`=<` is written `<=` here");
+            self.report(diagnostic.fix(both, "<="));
+            return Binary::Le;
+        }
+        let diagnostic = Diagnostic::new(Code::SingleEquals, span, "`=` gives something a name; it does not compare");
+        self.report(diagnostic.help("to compare, write `==`").fix(span, "=="));
+        operator
     }
 
     /// `{0.05}`
@@ -357,6 +365,7 @@ impl Parser<'_> {
             return symbol;
         }
         match (self.cursor.kind(), self.cursor.ahead(1)) {
+            (TokenKind::Slash, TokenKind::Slash) => expectation.help("a comment begins with `#`"),
             (TokenKind::Slash, _) if previous.is_some_and(|t| t.kind == TokenKind::Slash) => {
                 expectation.help("a comment begins with `#`")
             }

@@ -86,6 +86,9 @@ impl Parser<'_> {
             TokenKind::Slash if previous.is_some_and(|t| t.kind == TokenKind::Slash) => {
                 self.expectation(what).help("a comment begins with `#`")
             }
+            TokenKind::Comma if previous.is_some_and(|t| t.kind == TokenKind::Number) => {
+                self.expectation(what).help("the decimal sign of a number is a point: `1.5`")
+            }
             TokenKind::Colon => {
                 self.expectation(what).help("a property is written `NAME: FORMULA`, on a line of its own")
             }
@@ -103,10 +106,20 @@ impl Parser<'_> {
         if let Some(slip) = self.misspelt(span, written) {
             return self.unknown_word(slip);
         }
-        if self.after_bare_margin() {
+        if self.at_bound() {
+            return self.expectation(what).help(
+                "a time bound stands before what it bounds: `eventually within 2 s X`, `always for 2 s X`, `held for 2 s (X)`",
+            );
+        }
+        // What follows `x == 0` in `whenever x == 0 eventually …` is no second side.
+        if self.after_bare_margin() && !words::formula_words().any(|word| word == written) {
             return self.bare_margin();
         }
         let previous = self.cursor.previous();
+        if self.cursor.previous_token().is_some_and(|t| t.kind == TokenKind::Number) {
+            let units = words::listed(words::units());
+            return self.expectation(what).help(format!("if `{written}` is meant as a unit: the units are {units}"));
+        }
         if self.symbolic || self.path_end != Some(previous.end) {
             return self.expectation(what);
         }
@@ -180,6 +193,11 @@ impl Parser<'_> {
             Some(unit) => diagnostic.help(format!("write `{unit}`")).fix(span, unit),
             None => diagnostic.help(format!("the units are {}", words::listed(words::units()))),
         })
+    }
+
+    /// Whether a time bound begins here.
+    pub(super) fn at_bound(&self) -> bool {
+        self.cursor.at_word("within") || self.cursor.at_word("for")
     }
 
     /// Whether the token before is a number directly after a comparison: `x == 0.05 y`.

@@ -174,7 +174,7 @@ impl Parser<'_> {
             return Ok(());
         }
         let leftover = self.leftover_diagnostic(&format!("a comma and the next part of `{word}`"));
-        if leftover.code != Code::Syntax || !self.at_operand() {
+        if leftover.code != Code::Syntax || self.at_bound() || !self.at_operand() {
             return self.complain(leftover);
         }
         let after = self.cursor.behind_previous();
