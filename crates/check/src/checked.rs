@@ -609,6 +609,34 @@ pub enum Func {
     Contains,
 }
 
+/// The expressions directly below one of this kind, from left to right: borrowed as the kind is.
+macro_rules! children {
+    ($kind:expr, $iter:ident) => {
+        match $kind {
+            Kind::Num(_) | Kind::Bool(_) | Kind::Str(_) | Kind::Input(_) | Kind::Event(_) | Kind::EventField { .. } => {
+                Vec::new()
+            }
+            Kind::InState { .. } | Kind::Updated(_) | Kind::Param(_) | Kind::Var(_) => Vec::new(),
+            Kind::Age(_) | Kind::Frequency(..) | Kind::Fresh(_) => Vec::new(),
+            Kind::Field(e, _) | Kind::Index(e, _) | Kind::Truth(e) | Kind::Neg(e) | Kind::Not(e) => vec![e],
+            Kind::Lookback(e, _) | Kind::Delta(e) | Kind::Rate(e) | Kind::Window(_, e, _) => vec![e],
+            Kind::Previously(e) | Kind::Becomes(e) | Kind::Once(_, e) | Kind::Historically(_, e) | Kind::Held(_, e) => {
+                vec![e]
+            }
+            Kind::Always(_, e) | Kind::Eventually(_, e) | Kind::Next(e) => vec![e],
+            Kind::Arith(_, l, r) | Kind::Connective(_, l, r) | Kind::Since(_, l, r) => vec![l, r],
+            Kind::Until(_, l, r) | Kind::Scope(_, l, r) => vec![l, r],
+            Kind::Quantified { array, body, .. } => vec![array, body],
+            Kind::AfterUntil(x, y, f) => vec![x, y, f],
+            Kind::Call(_, args) => args.$iter().collect(),
+            Kind::Compare { margin, left, right, .. } => match margin {
+                Some(m) => vec![left, m, right],
+                None => vec![left, right],
+            },
+        }
+    };
+}
+
 impl Expr {
     /// Whether a future operator occurs in it.
     pub fn has_future(&self) -> bool {
@@ -626,53 +654,11 @@ impl Expr {
 
     /// The expressions directly below it, from left to right.
     pub fn children(&self) -> Vec<&Expr> {
-        match &self.kind {
-            Kind::Num(_) | Kind::Bool(_) | Kind::Str(_) | Kind::Input(_) | Kind::Event(_) | Kind::EventField { .. } => {
-                Vec::new()
-            }
-            Kind::InState { .. } | Kind::Updated(_) | Kind::Param(_) | Kind::Var(_) => Vec::new(),
-            Kind::Age(_) | Kind::Frequency(..) | Kind::Fresh(_) => Vec::new(),
-            Kind::Field(e, _) | Kind::Index(e, _) | Kind::Truth(e) | Kind::Neg(e) | Kind::Not(e) => vec![e],
-            Kind::Lookback(e, _) | Kind::Delta(e) | Kind::Rate(e) | Kind::Window(_, e, _) => vec![e],
-            Kind::Previously(e) | Kind::Becomes(e) | Kind::Once(_, e) | Kind::Historically(_, e) | Kind::Held(_, e) => {
-                vec![e]
-            }
-            Kind::Always(_, e) | Kind::Eventually(_, e) | Kind::Next(e) => vec![e],
-            Kind::Arith(_, l, r) | Kind::Connective(_, l, r) | Kind::Since(_, l, r) => vec![l, r],
-            Kind::Until(_, l, r) | Kind::Scope(_, l, r) => vec![l, r],
-            Kind::Quantified { array, body, .. } => vec![array, body],
-            Kind::AfterUntil(x, y, f) => vec![x, y, f],
-            Kind::Call(_, args) => args.iter().collect(),
-            Kind::Compare { margin, left, right, .. } => match margin {
-                Some(m) => vec![left, m, right],
-                None => vec![left, right],
-            },
-        }
+        children!(&self.kind, iter)
     }
 
     /// See [`Expr::children`].
     pub fn children_mut(&mut self) -> Vec<&mut Expr> {
-        match &mut self.kind {
-            Kind::Num(_) | Kind::Bool(_) | Kind::Str(_) | Kind::Input(_) | Kind::Event(_) | Kind::EventField { .. } => {
-                Vec::new()
-            }
-            Kind::InState { .. } | Kind::Updated(_) | Kind::Param(_) | Kind::Var(_) => Vec::new(),
-            Kind::Age(_) | Kind::Frequency(..) | Kind::Fresh(_) => Vec::new(),
-            Kind::Field(e, _) | Kind::Index(e, _) | Kind::Truth(e) | Kind::Neg(e) | Kind::Not(e) => vec![e],
-            Kind::Lookback(e, _) | Kind::Delta(e) | Kind::Rate(e) | Kind::Window(_, e, _) => vec![e],
-            Kind::Previously(e) | Kind::Becomes(e) | Kind::Once(_, e) | Kind::Historically(_, e) | Kind::Held(_, e) => {
-                vec![e]
-            }
-            Kind::Always(_, e) | Kind::Eventually(_, e) | Kind::Next(e) => vec![e],
-            Kind::Arith(_, l, r) | Kind::Connective(_, l, r) | Kind::Since(_, l, r) => vec![l, r],
-            Kind::Until(_, l, r) | Kind::Scope(_, l, r) => vec![l, r],
-            Kind::Quantified { array, body, .. } => vec![array, body],
-            Kind::AfterUntil(x, y, f) => vec![x, y, f],
-            Kind::Call(_, args) => args.iter_mut().collect(),
-            Kind::Compare { margin, left, right, .. } => match margin {
-                Some(m) => vec![left, m, right],
-                None => vec![left, right],
-            },
-        }
+        children!(&mut self.kind, iter_mut)
     }
 }
