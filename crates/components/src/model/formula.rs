@@ -120,7 +120,7 @@ impl Reader<'_> {
             Kind::Connective(connective, left, right) => {
                 let (left, right) = (self.condition(left)?, self.condition(right)?);
                 match connective {
-                    Connective::And => Code::binary(BinaryOp::And, left, right),
+                    Connective::And => and(left, right),
                     Connective::Or => Code::binary(BinaryOp::Or, left, right),
                     Connective::Implies => Code::binary(BinaryOp::Or, not(left), right),
                     Connective::Iff => Code::binary(BinaryOp::Equal, left, right),
@@ -129,7 +129,7 @@ impl Reader<'_> {
             Kind::Becomes(inner) => {
                 let now = self.condition(inner)?;
                 let before = self.kept(now.clone());
-                Code::binary(BinaryOp::And, now, not(before))
+                and(now, not(before))
             }
             Kind::Previously(inner) => {
                 let now = self.condition(inner)?;
@@ -258,6 +258,16 @@ fn beyond(e: &Expr, what: &str) -> Beyond {
 /// The contrary.
 pub(super) fn not(code: Code) -> Code {
     Code::unary(UnaryOp::Not, code)
+}
+
+/// Both of them.
+pub(super) fn and(left: Code, right: Code) -> Code {
+    Code::binary(BinaryOp::And, left, right)
+}
+
+/// Whether a clock shows so many nanoseconds, or more.
+pub(super) fn is_at(clock: &str, ns: i64) -> Code {
+    Code::binary(BinaryOp::GreaterEqual, Code::path(clock), Code::int(ns))
 }
 
 /// `name = value;` for a truth value.

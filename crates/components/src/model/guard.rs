@@ -15,7 +15,7 @@ use lapwing_genom::emit::{bip_name, parts};
 use lapwing_genom::model::ServiceId;
 
 use super::Draft;
-use super::formula::{Beyond, Reader, Shape, not, set};
+use super::formula::{Beyond, Reader, Shape, and, not, set};
 use super::letters::{Letter, letters};
 use super::past::{Past, Turn};
 use super::ring::{NEWS, OLDS, Ring};
@@ -231,7 +231,7 @@ impl Monitor<'_> {
         let passed = Code::binary(BinaryOp::GreaterEqual, Code::path("y"), Code::int(1));
         let lapse = Turn {
             port: "lapse".to_owned(),
-            guard: Code::binary(BinaryOp::And, Code::path("fresh"), passed),
+            guard: and(Code::path("fresh"), passed),
             body: vec![set("fresh", false)],
             note: "Time has passed since the clock was set.",
         };
@@ -305,7 +305,7 @@ impl Monitor<'_> {
         }
         let over = || vec![set("open", false), Stmt::assign("fell", not(Code::path("followed")))];
         let linked = Code::path("linked");
-        [not(linked.clone()), linked].map(|which| (Code::binary(BinaryOp::And, which, self.violated()), over()))
+        [not(linked.clone()), linked].map(|which| (and(which, self.violated()), over()))
     }
 
     /// What it keeps of the past, and of requests that are open.
@@ -364,7 +364,7 @@ impl Monitor<'_> {
         let mut all: Vec<Stmt> = self.reader.pasts.iter().flat_map(Past::step).collect();
         all.extend(match &self.shape {
             Shape::Always(condition) => {
-                let first = Code::binary(BinaryOp::And, not(condition.clone()), not(Code::path("bad")));
+                let first = and(not(condition.clone()), not(Code::path("bad")));
                 vec![
                     Stmt::choice(first, vec![set("open", true)], Vec::new()),
                     Stmt::choice(condition.clone(), vec![set("bad", false)], vec![set("bad", true)]),
@@ -409,7 +409,7 @@ impl Monitor<'_> {
         // An eager move needs a first moment, which `x > T` does not have: one nanosecond later is one.
         let first = within.nanos().saturating_add(i64::from(closed));
         let is_over = Code::binary(BinaryOp::GreaterEqual, Code::path("x"), Code::int(first));
-        Code::binary(BinaryOp::And, Code::path("open"), is_over)
+        and(Code::path("open"), is_over)
     }
 }
 

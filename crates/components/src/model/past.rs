@@ -13,7 +13,7 @@ use lapwing_bip::ast::{BinaryOp, Expr as Code, Stmt};
 use lapwing_check::checked::Bound;
 use lapwing_stream::Duration;
 
-use super::formula::{not, set};
+use super::formula::{and, is_at, not, set};
 use super::ring::inside;
 
 /// A bound with a beginning and an end needs no more stretches than this.
@@ -48,14 +48,6 @@ pub(super) struct Turn {
     pub body: Vec<Stmt>,
     /// In words.
     pub note: &'static str,
-}
-
-fn and(left: Code, right: Code) -> Code {
-    Code::binary(BinaryOp::And, left, right)
-}
-
-fn is_at(clock: &str, ns: i64) -> Code {
-    Code::binary(BinaryOp::GreaterEqual, Code::path(clock), Code::int(ns))
 }
 
 fn restart(clock: &str) -> Stmt {

@@ -7,7 +7,7 @@
 use lapwing_bip::ast::{BinaryOp, Expr as Code, Stmt};
 use lapwing_check::checked::Bound;
 
-use super::formula::{not, set};
+use super::formula::{and, is_at, not, set};
 use super::past::Turn;
 
 /// So many requests can be open at once.
@@ -45,10 +45,6 @@ fn after(number: usize) -> usize {
 
 fn all() -> std::ops::RangeInclusive<usize> {
     1..=PLACES
-}
-
-fn and(left: Code, right: Code) -> Code {
-    Code::binary(BinaryOp::And, left, right)
 }
 
 fn when(condition: Code, then: Vec<Stmt>) -> Stmt {
@@ -111,17 +107,16 @@ impl Ring {
     /// What it does because time has passed.
     pub fn turns(&self) -> Vec<Turn> {
         let is_used = |n: usize| Code::path(place("used", n));
-        let is_at =
-            |n: usize, ns: i64| Code::binary(BinaryOp::GreaterEqual, Code::path(place("open_for", n)), Code::int(ns));
+        let is_open_for = |n: usize, ns: i64| is_at(&place("open_for", n), ns);
         let ripen = all().filter(|_| self.from > 0).map(|n| Turn {
             port: place("ripen_place", n),
-            guard: and(and(is_used(n), not(Code::path(place("ripe", n)))), is_at(n, self.from)),
+            guard: and(and(is_used(n), not(Code::path(place("ripe", n)))), is_open_for(n, self.from)),
             body: vec![set(&place("ripe", n), true)],
             note: "From now on an answer counts.",
         });
         let expire = all().map(|n| Turn {
             port: place("expire", n),
-            guard: and(is_used(n), is_at(n, self.to.saturating_add(1))),
+            guard: and(is_used(n), is_open_for(n, self.to.saturating_add(1))),
             body: if self.fails { met(n) } else { failed(n) },
             note: "The time for an answer is over.",
         });
