@@ -301,8 +301,8 @@ impl Piece {
             let due = core::mem::take(&mut self.inputs.due[number]);
             if due.ops != 0 || now >= *calm {
                 // Of the instances only those were asked that this instant concerns.
-                *calm = if plan.at.slices.is_empty() { i64::MAX } else { NOW };
                 let is_sliced = !plan.at.slices.is_empty();
+                *calm = if is_sliced { NOW } else { i64::MAX };
                 instances.for_each_concerned(&plan.at, &self.inputs, (now, due), |core, automaton| {
                     if is_sliced || due.ops != 0 || now >= core.rests_until() {
                         core.step((plan, automaton), &self.inputs, due, when, program.open_limit, tell);

@@ -11,8 +11,8 @@ pub(super) const LONGEST: usize = 512;
 #[derive(Debug)]
 pub(super) struct Table {
     inputs: Vec<usize>,
-    /// From which instant on each row counts, and which of the buffers has its values.
-    rows: VecDeque<(u64, usize)>,
+    /// Where the buffer begins that has the values of each row.
+    rows: Strip<usize>,
     /// The values, one buffer after the other.
     // PERF: they stay where they are: a number that takes the place of another is all that a row costs.
     values: Vec<Value>,
@@ -20,7 +20,7 @@ pub(super) struct Table {
 
 impl Table {
     pub fn new() -> Table {
-        Table { inputs: Vec::new(), rows: VecDeque::new(), values: Vec::new() }
+        Table { inputs: Vec::new(), rows: Strip::new(), values: Vec::new() }
     }
 
     /// Adds a signal, while there are no rows. Gives its place in them.
@@ -31,10 +31,8 @@ impl Table {
 
     /// Adds a row, in the buffer of one that no instant from `oldest` on needs.
     pub fn push<'v>(&mut self, number: u64, oldest: u64, value: impl Fn(usize) -> &'v Value) {
-        let is_past = self.rows.get(1).is_some_and(|(next, _)| *next <= oldest);
-        let spare = if is_past { self.rows.pop_front() } else { None };
-        let start = match spare {
-            Some((_, start)) => {
+        let start = match self.rows.spare(oldest) {
+            Some(start) => {
                 let buffer = self.values.iter_mut().skip(start);
                 buffer.zip(&self.inputs).for_each(|(to, &input)| keep(to, value(input)));
                 start
@@ -44,13 +42,13 @@ impl Table {
                 self.values.len() - self.inputs.len()
             }
         };
-        self.rows.push_back((number, start));
+        self.rows.add(number, start);
     }
 
     /// The value at a place in the row that counts at an instant.
     pub fn at(&self, number: u64, place: usize) -> Option<&Value> {
-        let row = self.rows.partition_point(|(from, _)| *from <= number).checked_sub(1)?;
-        self.values.get(self.rows.get(row)?.1 + place)
+        let (_, start) = self.rows.at(number)?;
+        self.values.get(start + place)
     }
 
     pub fn clear(&mut self) {
@@ -60,7 +58,7 @@ impl Table {
 
     /// The memory that the rows take.
     pub fn bytes(&self) -> usize {
-        self.rows.len() * size_of::<(u64, usize)>() + self.values.iter().map(bytes).sum::<usize>()
+        self.rows.bytes(|_| 0) + self.values.iter().map(bytes).sum::<usize>()
     }
 }
 
@@ -77,10 +75,18 @@ impl<T: Default> Strip<T> {
 
     /// Adds a row, in the buffers of one that no instant from `oldest` on needs.
     pub fn push(&mut self, number: u64, oldest: u64, fill: impl FnOnce(&mut T)) {
-        let is_past = self.rows.get(1).is_some_and(|(next, _)| *next <= oldest);
-        let spare = if is_past { self.rows.pop_front() } else { None };
-        let mut row = spare.map(|(_, row)| row).unwrap_or_default();
+        let mut row = self.spare(oldest).unwrap_or_default();
         fill(&mut row);
+        self.add(number, row);
+    }
+
+    /// Takes out the oldest row, where no instant from `oldest` on needs it.
+    fn spare(&mut self, oldest: u64) -> Option<T> {
+        let is_past = self.rows.get(1).is_some_and(|(next, _)| *next <= oldest);
+        if is_past { self.rows.pop_front().map(|(_, row)| row) } else { None }
+    }
+
+    fn add(&mut self, number: u64, row: T) {
         self.rows.push_back((number, row));
     }
 
