@@ -143,8 +143,11 @@ const FORMULAS: [&str; 8] = [
     "ltl([] (ready => (ready.power > 2 or play) U play))",
 ];
 
-/// What robots do by chance: when, what, and with which power and word.
-fn chances() -> Vec<(i64, &'static str, u32, [Value; 2])> {
+/// What a robot does: when, what, which of them, and with which power and word.
+type Chance = (i64, &'static str, u32, [Value; 2]);
+
+/// What robots do by chance.
+fn chances() -> Vec<Chance> {
     let mut next = support::chance(7);
     let mut clock = support::clock(7);
     let one = |_| {
@@ -155,19 +158,17 @@ fn chances() -> Vec<(i64, &'static str, u32, [Value; 2])> {
     (0..1500).map(one).collect()
 }
 
-/// The outcomes of a text; where one robot is named, only what it does counts. Saved and resumed now and then.
-fn outcomes(text: &str, only: Option<u32>) -> Vec<Outcome> {
+/// A robot does something.
+fn act(many: &Many, state: &mut State, (at, name, robot, [power, word]): Chance) {
+    many.tell(state, at, name, &[("robot", f64::from(robot).into()), ("power", power), ("word", word)]);
+}
+
+/// The outcomes of a text, what comes of each chance being told by `tell`. Saved and resumed now and then.
+fn outcomes_of(text: &str, mut tell: impl FnMut(&Many, &mut State, usize, Chance)) -> Vec<Outcome> {
     let many = Many::of(text);
     let mut state = State::new(&many.program);
-    for (n, (at, name, robot, values)) in chances().into_iter().enumerate() {
-        if only.is_none_or(|only| only == robot) {
-            many.tell(
-                &mut state,
-                at,
-                name,
-                &[("robot", f64::from(robot).into()), ("power", values[0].clone()), ("word", values[1].clone())],
-            );
-        }
+    for (n, chance) in chances().into_iter().enumerate() {
+        tell(&many, &mut state, n, chance);
         if n % 50 == 49 {
             state = State::resume(&many.program, &state.save(&many.program)).unwrap_or_else(|e| panic!("{e}"));
         }
@@ -177,19 +178,34 @@ fn outcomes(text: &str, only: Option<u32>) -> Vec<Outcome> {
     state.finish(&many.program, &Ending::default(), &mut ())
 }
 
+/// Each of the four instances has the outcome of its robot alone; one of them has more positions than that.
+fn fare_alone(formula: &str, together: Vec<Outcome>, positions: u64, alone: impl Fn(u32) -> Vec<Outcome>) {
+    assert_eq!(together.len(), 4, "{formula}");
+    assert!(together.iter().any(|outcome| outcome.positions > positions), "{formula}");
+    for mut outcome in together {
+        let [Value::Num(robot)] = outcome.instance[..] else { panic!("{outcome:?}") };
+        outcome.instance.clear();
+        assert_eq!(alone(robot as u32), [outcome], "{formula}");
+    }
+}
+
+/// The outcomes of a text; where one robot is named, only what it does counts.
+fn outcomes(text: &str, only: Option<u32>) -> Vec<Outcome> {
+    outcomes_of(text, |many, state, _, chance| {
+        if only.is_none_or(|only| only == chance.2) {
+            act(many, state, chance);
+        }
+    })
+}
+
 #[test]
 fn an_instance_fares_as_if_there_were_no_others() {
     for formula in FORMULAS {
         let together =
             outcomes(&format!("property all over (ready, play): for each r of ready.robot: {formula}\n"), None);
-        assert_eq!(together.len(), 4, "{formula}");
-        assert!(together.iter().any(|outcome| outcome.positions > 300), "{formula}");
-        for mut outcome in together {
-            let [Value::Num(robot)] = outcome.instance[..] else { panic!("{outcome:?}") };
-            outcome.instance.clear();
-            let alone = outcomes(&format!("property all over (ready, play): {formula}\n"), Some(robot as u32));
-            assert_eq!(alone, [outcome], "{formula}");
-        }
+        fare_alone(formula, together, 300, |robot| {
+            outcomes(&format!("property all over (ready, play): {formula}\n"), Some(robot))
+        });
     }
 }
 
@@ -228,13 +244,12 @@ const FORMULAS_WITH_SIGNALS: [&str; 11] = [
 
 /// The outcomes of a text where signals come between what robots do; where one robot is named, what the others do are instants at which nothing comes.
 fn outcomes_with_signals(text: &str, only: Option<u32>) -> Vec<Outcome> {
-    let many = Many::of(text);
-    let mut state = State::new(&many.program);
     let mut next = support::chance(11);
-    for (n, (at, name, robot, values)) in chances().into_iter().enumerate() {
+    outcomes_of(text, |many, state, n, chance| {
+        let at = chance.0;
         // What robots do begins later than what signals do.
         for early in 0..if n == 0 { 3 } else { 0 } {
-            many.row(&mut state, at - 3 + early, [Value::Missing, Value::Missing]);
+            many.row(state, at - 3 + early, [Value::Missing, Value::Missing]);
         }
         if n < 2 || next().is_multiple_of(5) {
             let kept = |next: &mut dyn FnMut() -> u64, value: Value| {
@@ -242,35 +257,22 @@ fn outcomes_with_signals(text: &str, only: Option<u32>) -> Vec<Outcome> {
             };
             let (battery, stopped) = ((next() % 9) as f64, next().is_multiple_of(3));
             let cells = [kept(&mut next, battery.into()), kept(&mut next, stopped.into())];
-            many.row(&mut state, at, cells);
+            many.row(state, at, cells);
         }
-        if only.is_none_or(|only| only == robot) {
-            let fields =
-                [("robot", f64::from(robot).into()), ("power", values[0].clone()), ("word", values[1].clone())];
-            many.tell(&mut state, at, name, &fields);
+        if only.is_none_or(|only| only == chance.2) {
+            act(many, state, chance);
         } else {
-            many.row(&mut state, at, [Value::Missing, Value::Missing]);
+            many.row(state, at, [Value::Missing, Value::Missing]);
         }
-        if n % 50 == 49 {
-            state = State::resume(&many.program, &state.save(&many.program)).unwrap_or_else(|e| panic!("{e}"));
-        }
-    }
-    let last = chances().last().map_or(0, |last| last.0);
-    state.feed(&many.program, Sample { time: Time(last), what: What::Other }, &mut ());
-    state.finish(&many.program, &Ending::default(), &mut ())
+    })
 }
 
 #[test]
 fn an_instance_that_reads_signals_fares_as_if_there_were_no_others() {
     for formula in FORMULAS_WITH_SIGNALS {
         let together = outcomes_with_signals(&format!("property all: for each r of ready.robot: {formula}\n"), None);
-        assert_eq!(together.len(), 4, "{formula}");
-        assert!(together.iter().any(|outcome| outcome.positions > 1_000), "{formula}");
-        for mut outcome in together {
-            let [Value::Num(robot)] = outcome.instance[..] else { panic!("{outcome:?}") };
-            outcome.instance.clear();
-            let alone = outcomes_with_signals(&format!("property all: {formula}\n"), Some(robot as u32));
-            assert_eq!(alone, [outcome], "{formula}");
-        }
+        fare_alone(formula, together, 1_000, |robot| {
+            outcomes_with_signals(&format!("property all: {formula}\n"), Some(robot))
+        });
     }
 }

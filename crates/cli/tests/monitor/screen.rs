@@ -20,7 +20,6 @@ fn a_screen_shows_how_things_stand_and_q_ends_it_with_the_report() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("robot.rv"), SPEC).unwrap();
     let mut command = Command::new("python3");
-    let mut command = Command::new("python3");
     command.arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/monitor/screen.py")).args(["100", "30"]);
     command.arg(env!("CARGO_BIN_EXE_lapwing")).args(["monitor", "robot.rv"]).args(graph.words().split_whitespace());
     command.current_dir(folder.path());
