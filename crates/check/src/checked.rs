@@ -114,7 +114,7 @@ pub enum InputSource {
     World { object: usize, part: Part },
 }
 
-/// The parts of an object's ground truth, all in the world frame. They are undefined until the source has delivered them.
+/// The parts of an object's ground truth, in the world frame but for the last six. They are undefined until the source has delivered them.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[allow(missing_docs)]
 pub enum Part {
@@ -132,6 +132,13 @@ pub enum Part {
     AngularX,
     AngularY,
     AngularZ,
+    /// The velocity in the object's own frame: the latest, turned back by the latest orientation.
+    BodyLinearX,
+    BodyLinearY,
+    BodyLinearZ,
+    BodyAngularX,
+    BodyAngularY,
+    BodyAngularZ,
 }
 
 /// An object of the ground truth.

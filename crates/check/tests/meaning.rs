@@ -203,8 +203,8 @@ fn world_signals() {
     means(
         "robot.position.x > robot.velocity.body.x * 1 s",
         expect![[r#"
-        line 1: (robot.position.x > (IntoBody(0 robot.velocity.x robot.velocity.y robot.velocity.z robot.orientation.x robot.orientation.y robot.orientation.z robot.orientation.w) * 1)) | reads robot.position.x robot.velocity.x robot.velocity.y robot.velocity.z robot.orientation.x robot.orientation.y robot.orientation.z robot.orientation.w
-    "#]],
+            line 1: (robot.position.x > (robot.velocity.body.x * 1)) | reads robot.position.x robot.velocity.body.x
+        "#]],
     );
     means(
         "robot.orientation < 1 and robot.orientation.roll < 1 and robot.velocity.angular.z < 1",
@@ -221,8 +221,8 @@ fn world_signals() {
     means(
         "model r: velocity /odom Odometry.twist.twist ;\nr.velocity_error < 1",
         expect![[r#"
-        line 2: (Norm((IntoBody(0 r.velocity.x r.velocity.y r.velocity.z r.orientation.x r.orientation.y r.orientation.z r.orientation.w) - r.believed.velocity.linear.x) (IntoBody(1 r.velocity.x r.velocity.y r.velocity.z r.orientation.x r.orientation.y r.orientation.z r.orientation.w) - r.believed.velocity.linear.y) (IntoBody(2 r.velocity.x r.velocity.y r.velocity.z r.orientation.x r.orientation.y r.orientation.z r.orientation.w) - r.believed.velocity.linear.z)) < 1) | reads r.velocity.x r.velocity.y r.velocity.z r.orientation.x r.orientation.y r.orientation.z r.orientation.w r.believed.velocity.linear.x r.believed.velocity.linear.y r.believed.velocity.linear.z
-    "#]],
+            line 2: (Norm((r.velocity.body.x - r.believed.velocity.linear.x) (r.velocity.body.y - r.believed.velocity.linear.y) (r.velocity.body.z - r.believed.velocity.linear.z)) < 1) | reads r.velocity.body.x r.velocity.body.y r.velocity.body.z r.believed.velocity.linear.x r.believed.velocity.linear.y r.believed.velocity.linear.z
+        "#]],
     );
     means(
         "model r: position /odom Odometry.pose.pose.position ;\nr.believed.position.x < 1 m",

@@ -313,11 +313,13 @@ impl Inputs {
     }
 
     /// The stamp of a topic's last message.
+    #[inline]
     pub fn last(&self, topic: usize) -> Option<Time> {
         self.topics.get(topic)?.last.map(Time)
     }
 
     /// Whether a message of a topic came at this instant; under a rate, since the instant before.
+    #[inline]
     pub fn is_fresh(&self, topic: usize) -> bool {
         self.topics.get(topic).is_some_and(|t| t.fresh)
     }

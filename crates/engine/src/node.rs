@@ -128,6 +128,15 @@ impl<'a> View<'a> {
         self.number(id, None)
     }
 
+    /// The number that a signal has, where it is but that.
+    #[inline]
+    pub fn signal(&self, id: NodeId) -> Option<f64> {
+        match self.node(id) {
+            Node::Slot(s) if let Value::Num(x) = &self.inputs.slots[*s] => Some(*x),
+            _ => None,
+        }
+    }
+
     /// A value of any kind.
     pub fn value(&self, id: NodeId) -> Val<'a> {
         self.val(id, None)

@@ -459,8 +459,18 @@ fn scalar(value: &Value) -> Option<(u8, u64)> {
 }
 
 /// A number, where there is one.
+#[inline]
 fn number(view: &View<'_>, node: NodeId) -> Option<f64> {
-    view.is_there(node).then(|| view.num(node))
+    view.signal(node).or_else(|| view.is_there(node).then(|| view.num(node)))
+}
+
+/// Stores a number, most likely in the place of one.
+#[inline]
+fn put(into: &mut Value, number: Option<f64>) {
+    match (into, number) {
+        (Value::Num(there), Some(x)) => *there = x,
+        (into, number) => *into = number.map_or(Value::Missing, Value::Num),
+    }
 }
 
 fn difference(now: Option<f64>, before: Option<f64>) -> Option<f64> {
@@ -487,7 +497,7 @@ fn look_back(op: &Op, memory: &mut Memory, view: &View<'_>, out: &mut Value) -> 
         }
         (Op::Delta(node), Memory::Before { value, .. }) => {
             let now = number(view, *node);
-            *out = difference(now, *value).map_or(Value::Missing, Value::Num);
+            put(out, difference(now, *value));
             let before = core::mem::replace(value, now);
             before.map(f64::to_bits) == now.map(f64::to_bits)
         }
@@ -495,7 +505,7 @@ fn look_back(op: &Op, memory: &mut Memory, view: &View<'_>, out: &mut Value) -> 
             let now = number(view, *node);
             let nanos = stamp.map_or(0, |stamp| view.now.saturating_sub(stamp));
             let rate = |difference: f64| if nanos == 0 { f64::NAN } else { difference / (nanos as f64 / 1e9) };
-            *out = difference(now, *value).map_or(Value::Missing, |d| Value::Num(rate(d)));
+            put(out, difference(now, *value).map(rate));
             (*value, *stamp) = (now, Some(view.now));
             // Where it stays, it is 0, but at a stamp that comes once more.
             false

@@ -296,10 +296,12 @@ impl Piece {
         }
         self.inputs.woken = false;
         let when = When { now, number: self.instants, before: self.last_instant };
-        let groups = self.groups.iter_mut().zip(&program.groups).zip(&mut self.calm).enumerate();
-        for (number, ((instances, plan), calm)) in groups {
-            let due = core::mem::take(&mut self.inputs.due[number]);
+        // Aside, while groups look at the inputs.
+        let mut dues = core::mem::take(&mut self.inputs.due);
+        let groups = self.groups.iter_mut().zip(&program.groups).zip(&mut self.calm).zip(&mut dues);
+        for (((instances, plan), calm), due) in groups {
             if due.ops != 0 || now >= *calm {
+                let due = core::mem::take(due);
                 // Of the instances only those were asked that this instant concerns.
                 let is_sliced = !plan.at.slices.is_empty();
                 *calm = if is_sliced { NOW } else { i64::MAX };
@@ -313,6 +315,7 @@ impl Piece {
             }
             calm_until = calm_until.min(*calm);
         }
+        self.inputs.due = dues;
         self.calm_until = calm_until;
         waits
     }

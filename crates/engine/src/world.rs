@@ -21,6 +21,8 @@ const MOST_FRAMES: usize = 10_000;
 pub(crate) struct ObjectMemory {
     /// The pose before, and its stamp.
     before: Option<(i64, Pose)>,
+    /// The latest velocities.
+    twist: Option<Twist>,
     /// The latest transform to each frame from its parent.
     frames: BTreeMap<String, (String, Pose)>,
 }
@@ -51,13 +53,14 @@ impl ObjectMemory {
             ObjectSource::ModelStates { name, pose, twist } => {
                 let Some(i) = index_of(value(*name), &object.name) else { return };
                 if let Some(pose) = nth(value(*pose), i).and_then(pose_of) {
-                    set(program, object, pose, nth(value(*twist), i).and_then(twist_of), inputs);
+                    let twist = nth(value(*twist), i).and_then(twist_of);
+                    self.set(program, object, &pose, twist.as_ref(), inputs);
                 }
             }
             ObjectSource::Odometry { pose, twist } => {
                 if let Some(pose) = pose_of(value(*pose)) {
                     let turned = twist_of(value(*twist)).map(|(l, a)| (rotate(l, pose.turn), rotate(a, pose.turn)));
-                    set(program, object, pose, turned, inputs);
+                    self.set(program, object, &pose, turned.as_ref(), inputs);
                 }
             }
             ObjectSource::Pose { pose } => {
@@ -82,9 +85,30 @@ impl ObjectMemory {
             Some((stamp, before)) if stamp < now => Some(difference(before, pose, (now - stamp) as f64 / 1e9)),
             _ => None,
         };
-        set(program, object, pose, twist, inputs);
+        self.set(program, object, &pose, twist.as_ref(), inputs);
         if self.before.is_none_or(|(stamp, _)| stamp < now) {
             self.before = Some((now, pose));
+        }
+    }
+
+    /// Fills the slots that are read of the object.
+    fn set(&mut self, program: &Program, object: &Object, pose: &Pose, twist: Option<&Twist>, inputs: &mut Inputs) {
+        if let Some(twist) = twist {
+            self.twist = Some(*twist);
+        }
+        for &(part, slot) in &object.parts {
+            let value = match part {
+                0..3 => Some(pose.position[part]),
+                3..7 => Some(pose.turn[part - 3]),
+                7..10 => twist.map(|(linear, _)| linear[part - 7]),
+                10..13 => twist.map(|(_, angular)| angular[part - 10]),
+                13..16 => self.twist.as_ref().map(|(linear, _)| rotate_back(*linear, pose.turn)[part - 13]),
+                16..19 => self.twist.as_ref().map(|(_, angular)| rotate_back(*angular, pose.turn)[part - 16]),
+                _ => None,
+            };
+            if let Some(x) = value {
+                inputs.set_number(program, slot, x);
+            }
         }
     }
 
@@ -141,20 +165,6 @@ impl ObjectMemory {
             }
         }
         None
-    }
-}
-
-/// Fills the slots that are read of an object.
-fn set(program: &Program, object: &Object, pose: Pose, twist: Option<Twist>, inputs: &mut Inputs) {
-    let ([x, y, z], [i, j, k, w]) = (pose.position, pose.turn);
-    let is_moving = twist.is_some();
-    let ([u, v, t], [p, q, r]) = twist.unwrap_or_default();
-    let all = [x, y, z, i, j, k, w, u, v, t, p, q, r];
-    let known = if is_moving { &all[..] } else { &all[..7] };
-    for &(part, slot) in &object.parts {
-        if let Some(x) = known.get(part) {
-            inputs.set_number(program, slot, *x);
-        }
     }
 }
 

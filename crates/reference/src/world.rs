@@ -27,6 +27,8 @@ struct Twist {
 pub(crate) struct Delivery {
     pose: Pose,
     twist: Option<Twist>,
+    /// The latest velocity in the object's own frame, by this pose.
+    body: Option<Twist>,
 }
 
 impl Delivery {
@@ -34,6 +36,7 @@ impl Delivery {
     pub(crate) fn part(&self, part: Part) -> Option<f64> {
         let Pose { position: p, orientation: q } = self.pose;
         let twist = |pick: fn(Twist) -> f64| self.twist.map(pick);
+        let body = |pick: fn(Twist) -> f64| self.body.map(pick);
         match part {
             Part::PositionX => Some(p[0]),
             Part::PositionY => Some(p[1]),
@@ -48,6 +51,12 @@ impl Delivery {
             Part::AngularX => twist(|t| t.angular[0]),
             Part::AngularY => twist(|t| t.angular[1]),
             Part::AngularZ => twist(|t| t.angular[2]),
+            Part::BodyLinearX => body(|t| t.linear[0]),
+            Part::BodyLinearY => body(|t| t.linear[1]),
+            Part::BodyLinearZ => body(|t| t.linear[2]),
+            Part::BodyAngularX => body(|t| t.angular[0]),
+            Part::BodyAngularY => body(|t| t.angular[1]),
+            Part::BodyAngularZ => body(|t| t.angular[2]),
         }
     }
 }
@@ -59,6 +68,8 @@ pub(crate) struct Tracked {
     before: Option<(Time, Pose)>,
     /// The latest finite difference.
     difference: Option<Twist>,
+    /// The latest velocity.
+    latest: Option<Twist>,
     /// The latest transform of each child frame, with its parent.
     links: BTreeMap<String, (String, Pose)>,
 }
@@ -70,7 +81,7 @@ impl Tracked {
             ObjectSource::ModelStates { topic: t, name, pose, twist } if *t == topic => {
                 let at = position_of(values.get(*name)?, &object.name)?;
                 let twist = element(values.get(*twist)?, at).and_then(twist_of);
-                Some(Delivery { pose: pose_of(element(values.get(*pose)?, at)?)?, twist })
+                Some(self.delivery(pose_of(element(values.get(*pose)?, at)?)?, twist))
             }
             ObjectSource::Odometry { topic: t, pose, twist } if *t == topic => {
                 let pose = pose_of(values.get(*pose)?)?;
@@ -79,7 +90,7 @@ impl Tracked {
                     linear: turn(pose.orientation, t.linear),
                     angular: turn(pose.orientation, t.angular),
                 };
-                Some(Delivery { pose, twist: body.map(turned) })
+                Some(self.delivery(pose, body.map(turned)))
             }
             ObjectSource::Pose { topic: t, pose } if *t == topic => {
                 let pose = pose_of(values.get(*pose)?)?;
@@ -108,7 +119,15 @@ impl Tracked {
             }
         }
         self.before = Some((time, pose));
-        Delivery { pose, twist: self.difference }
+        self.delivery(pose, self.difference)
+    }
+
+    /// A pose, with a velocity where there is one; the latest is turned back by it.
+    fn delivery(&mut self, pose: Pose, twist: Option<Twist>) -> Delivery {
+        self.latest = twist.or(self.latest);
+        let back = |v| turn(conjugate(pose.orientation), v);
+        let body = self.latest.map(|t| Twist { linear: back(t.linear), angular: back(t.angular) });
+        Delivery { pose, twist, body }
     }
 
     /// Takes in one `TransformStamped`; the child frame that it places.

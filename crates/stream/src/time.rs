@@ -18,6 +18,7 @@ const SECOND: i64 = 1_000_000_000;
 
 impl Time {
     /// The time from `earlier` to `self`, zero where `earlier` is later.
+    #[inline]
     pub fn since(self, earlier: Time) -> Duration {
         Duration(self.0.saturating_sub(earlier.0).max(0))
     }
@@ -33,11 +34,13 @@ impl Duration {
     pub const ZERO: Duration = Duration(0);
 
     /// A duration of so many nanoseconds; a negative number gives zero.
+    #[inline]
     pub fn from_nanos(nanos: i64) -> Duration {
         Duration(nanos.max(0))
     }
 
     /// Whole nanoseconds.
+    #[inline]
     pub fn nanos(self) -> i64 {
         self.0
     }

@@ -9,7 +9,7 @@ use crate::context::{Cx, Env};
 use crate::place::Place;
 use crate::term::{Shape, Term, angle};
 
-use super::{LINEAR, POSITION, Use, body_parts, compound, differences, norm, parts};
+use super::{Motion, POSITION, Use, body_parts, compound, differences, norm, parts};
 
 /// Reads the topics of all models, and checks the fields that they name.
 pub(crate) fn declare_models(cx: &mut Cx) {
@@ -46,7 +46,7 @@ pub(super) fn localization_error(cx: &mut Cx, env: &Env, of: Use) -> Option<Term
 /// The norm of the true velocity minus the modelled one, both in the robot's own frame.
 pub(super) fn velocity_error(cx: &mut Cx, env: &Env, of: Use) -> Option<Term> {
     let Some(belief) = find(cx, env, of, "velocity") else { return unmodelled(cx, of) };
-    let truth = body_parts(cx, env, of, LINEAR)?;
+    let truth = body_parts(cx, env, of, Motion::Linear)?;
     Some(error(cx, env, of, belief, truth))
 }
 

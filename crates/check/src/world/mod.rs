@@ -48,6 +48,8 @@ pub(crate) const QUANTITIES: &[&str] = &[
 const POSITION: [Part; 3] = [Part::PositionX, Part::PositionY, Part::PositionZ];
 const LINEAR: [Part; 3] = [Part::LinearX, Part::LinearY, Part::LinearZ];
 const ANGULAR: [Part; 3] = [Part::AngularX, Part::AngularY, Part::AngularZ];
+const BODY_LINEAR: [Part; 3] = [Part::BodyLinearX, Part::BodyLinearY, Part::BodyLinearZ];
+const BODY_ANGULAR: [Part; 3] = [Part::BodyAngularX, Part::BodyAngularY, Part::BodyAngularZ];
 
 /// One use of a quantity: of what object, and where.
 #[derive(Clone, Copy)]
@@ -151,15 +153,22 @@ fn velocity(cx: &mut Cx, env: &Env, of: Use, rest: &[&str]) -> Option<Term> {
             Some(compound(Shape::Vector, parts, Some(scalar), of))
         }
         ["angular", name] => linear(cx, env, of, ANGULAR, &[name]),
-        ["body", "angular", rest @ ..] => in_body(cx, env, of, ANGULAR, rest),
-        ["body", "linear", rest @ ..] | ["body", rest @ ..] => in_body(cx, env, of, LINEAR, rest),
+        ["body", "angular", rest @ ..] => in_body(cx, env, of, Motion::Angular, rest),
+        ["body", "linear", rest @ ..] | ["body", rest @ ..] => in_body(cx, env, of, Motion::Linear, rest),
         ["linear", rest @ ..] | rest => linear(cx, env, of, LINEAR, rest),
     }
 }
 
+/// Which of an object's two velocities.
+#[derive(Clone, Copy)]
+enum Motion {
+    Linear,
+    Angular,
+}
+
 /// A velocity in the object's own frame.
-fn in_body(cx: &mut Cx, env: &Env, of: Use, parts: [Part; 3], rest: &[&str]) -> Option<Term> {
-    let turned = body_parts(cx, env, of, parts)?;
+fn in_body(cx: &mut Cx, env: &Env, of: Use, motion: Motion, rest: &[&str]) -> Option<Term> {
+    let turned = body_parts(cx, env, of, motion)?;
     match rest {
         [] => {
             let scalar = norm(turned.clone(), of.span);
@@ -173,9 +182,16 @@ fn in_body(cx: &mut Cx, env: &Env, of: Use, parts: [Part; 3], rest: &[&str]) -> 
     }
 }
 
-/// The three parts of a vector, turned into the object's own frame.
-fn body_parts(cx: &mut Cx, env: &Env, of: Use, parts: [Part; 3]) -> Option<Vec<Expr>> {
-    let world = vector(cx, env, of, parts)?;
+/// The three parts of a velocity in the object's own frame: those of its source, or those of columns, turned.
+fn body_parts(cx: &mut Cx, env: &Env, of: Use, motion: Motion) -> Option<Vec<Expr>> {
+    let (there, here) = match motion {
+        Motion::Linear => (LINEAR, BODY_LINEAR),
+        Motion::Angular => (ANGULAR, BODY_ANGULAR),
+    };
+    if let Some(parts) = parts::of_source(cx, env, of, here) {
+        return Some(parts);
+    }
+    let world = vector(cx, env, of, there)?;
     let turn = quaternion(cx, env, of)?;
     let component = |index: usize| {
         let number = Expr { kind: Kind::Num(index as f64), ty: NUM, dim: Dim::PLAIN, span: of.span };

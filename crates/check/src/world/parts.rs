@@ -31,20 +31,36 @@ pub(super) fn first_parts(cx: &mut Cx, env: &Env, of: Use, parts: &[Part]) -> Op
 
 /// One part.
 pub(super) fn part(cx: &mut Cx, env: &Env, of: Use, part: Part) -> Option<Expr> {
-    let names = columns(of.object, part);
-    let label = names[0].clone();
-    if cx.schemaless() {
-        if let Some(found) = names.iter().find(|n| cx.trace.is_some_and(|t| t.has_column(n))) {
-            return Some(column(cx, found, dim(part), of));
-        }
-        if !source::is_there(cx, of.object) {
-            return None;
-        }
+    if let Some(found) = column_of(cx, of, part) {
+        return Some(column(cx, &found, dim(part), of));
     }
+    has_source(cx, of).then(|| delivered(cx, env, of, part))
+}
+
+/// The parts of a vector, where it is the object's source that says them all, and no column.
+pub(super) fn of_source(cx: &mut Cx, env: &Env, of: Use, parts: [Part; 3]) -> Option<Vec<Expr>> {
+    const OTHERS: [Part; 4] = [Part::LinearX, Part::AngularX, Part::QuaternionX, Part::QuaternionW];
+    let is_told = has_source(cx, of) && OTHERS.into_iter().all(|other| column_of(cx, of, other).is_none());
+    is_told.then(|| parts.into_iter().map(|part| delivered(cx, env, of, part)).collect())
+}
+
+/// The column of a trace that has a part.
+fn column_of(cx: &Cx, of: Use, part: Part) -> Option<String> {
+    let trace = cx.trace.filter(|trace| trace.schemaless)?;
+    columns(of.object, part).into_iter().find(|name| trace.has_column(name))
+}
+
+/// Whether the object has a source, as far as that is known.
+fn has_source(cx: &Cx, of: Use) -> bool {
+    !cx.schemaless() || source::is_there(cx, of.object)
+}
+
+/// A part that the object's source delivers.
+fn delivered(cx: &mut Cx, env: &Env, of: Use, part: Part) -> Expr {
     let object = source::object(cx, env, of.object, of.span);
     let source = InputSource::World { object, part };
-    let input = Input { label, source, ty: NUM, dim: dim(part), default: None, stale: None };
-    Some(cx.input(input, of.span))
+    let label = columns(of.object, part).swap_remove(0);
+    cx.input(Input { label, source, ty: NUM, dim: dim(part), default: None, stale: None }, of.span)
 }
 
 /// The quaternion of an object. Where a trace has only a column for the yaw, it is made from that.
@@ -92,6 +108,12 @@ fn columns(object: &str, part: Part) -> Vec<String> {
         Part::AngularX => (&["velocity.angular"], 0),
         Part::AngularY => (&["velocity.angular"], 1),
         Part::AngularZ => (&["velocity.angular"], 2),
+        Part::BodyLinearX => (&["velocity.body"], 0),
+        Part::BodyLinearY => (&["velocity.body"], 1),
+        Part::BodyLinearZ => (&["velocity.body"], 2),
+        Part::BodyAngularX => (&["velocity.body.angular"], 0),
+        Part::BodyAngularY => (&["velocity.body.angular"], 1),
+        Part::BodyAngularZ => (&["velocity.body.angular"], 2),
     };
     let name = Shape::Rotation.names()[index];
     quantities.iter().map(|quantity| format!("{object}.{quantity}.{name}")).collect()
@@ -102,6 +124,8 @@ fn dim(part: Part) -> Dim {
         Part::PositionX | Part::PositionY | Part::PositionZ => Dim::LENGTH,
         Part::QuaternionX | Part::QuaternionY | Part::QuaternionZ | Part::QuaternionW => Dim::PLAIN,
         Part::LinearX | Part::LinearY | Part::LinearZ => Dim::SPEED,
+        Part::BodyLinearX | Part::BodyLinearY | Part::BodyLinearZ => Dim::SPEED,
         Part::AngularX | Part::AngularY | Part::AngularZ => Dim::TURNING,
+        Part::BodyAngularX | Part::BodyAngularY | Part::BodyAngularZ => Dim::TURNING,
     }
 }

@@ -109,7 +109,8 @@ pub struct Object {
     pub name: String,
     /// Where it comes from.
     pub source: ObjectSource,
-    /// Those of its thirteen parts that are read, and the slots that they fill: position 3, quaternion 4 (x, y, z, w), linear 3, angular 3.
+    /// Those of its nineteen parts that are read, and the slots that they fill: position 3, quaternion 4 (x, y, z, w), linear 3, angular 3, and the
+    /// velocities in its own frame, linear 3, angular 3.
     pub parts: Vec<(usize, usize)>,
 }
 

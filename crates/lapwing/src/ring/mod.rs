@@ -44,6 +44,10 @@ pub(crate) struct Ring {
     due: Vec<usize>,
     /// The group of what may change whenever something comes.
     any: Option<usize>,
+    /// The group that rows fill.
+    rows: Option<usize>,
+    /// For each topic the group that its messages fill.
+    messages: Vec<Option<usize>>,
     /// For each kept signal its group, and its place there.
     places: Vec<(usize, usize)>,
     /// For each kept event, the fields of its occurrences.
@@ -86,13 +90,19 @@ impl Ring {
             });
             places.push((group, groups[group].table.add(input)));
         }
+        let filled = |source: Source| groups.iter().position(|group| group.source == source);
+        let topics =
+            groups.iter().filter_map(|g| if let Source::Topic(topic) = g.source { Some(topic + 1) } else { None });
+        let messages = (0..topics.max().unwrap_or_default()).map(|topic| filled(Source::Topic(topic)));
         let mut ring = Ring {
             reach,
             capacity: INSTANTS.start,
             is_full: false,
             times: VecDeque::new(),
             oldest: 0,
-            any: groups.iter().position(|g| g.source == Source::Any),
+            any: filled(Source::Any),
+            rows: filled(Source::Rows),
+            messages: messages.collect(),
             due: Vec::with_capacity(groups.len()),
             groups,
             places,
@@ -123,12 +133,12 @@ impl Ring {
     #[inline]
     pub fn arrive(&mut self, sample: &Sample<'_>) {
         self.settle(None);
-        let source = match sample.what {
-            What::Message { topic, .. } => Source::Topic(topic),
-            What::Row { .. } => Source::Rows,
+        let group = match sample.what {
+            What::Message { topic, .. } => self.messages.get(topic).copied().flatten(),
+            What::Row { .. } => self.rows,
             What::Event { .. } | What::Other => return,
         };
-        self.arrival = self.groups.iter().position(|g| g.source == source).map(|group| (sample.time, group));
+        self.arrival = group.map(|group| (sample.time, group));
     }
 
     /// What arrived by then, or at all, has changed its signals.
@@ -183,12 +193,17 @@ impl Ring {
     }
 
     /// Whether what would make room is still within reach, and there is memory for more.
+    #[inline]
     fn should_grow(&mut self, now: Time) -> bool {
         let is_near = self.times.front().is_some_and(|oldest| now.since(*oldest).nanos() <= self.reach);
-        if is_near && !self.is_full {
-            self.is_full = self.capacity * 2 > INSTANTS.end || self.bytes() * 2 > BYTES;
-        }
-        is_near && !self.is_full
+        is_near && self.has_room()
+    }
+
+    /// Whether there is memory for twice as much.
+    #[inline(never)]
+    fn has_room(&mut self) -> bool {
+        self.is_full = self.is_full || self.capacity * 2 > INSTANTS.end || self.bytes() * 2 > BYTES;
+        !self.is_full
     }
 
     fn bytes(&self) -> usize {

@@ -163,7 +163,9 @@ fn list(into: &mut Value, all: &[Model], fill: impl Fn(&mut Value, &Model)) {
         *into = Value::List(Vec::new());
     }
     if let Value::List(there) = into {
-        there.resize_with(all.len(), Value::default);
+        if there.len() != all.len() {
+            there.resize_with(all.len(), Value::default);
+        }
         there.iter_mut().zip(all).for_each(|(into, model)| fill(into, model));
     }
 }
