@@ -57,6 +57,22 @@ fn signals_that_are_conditions_are_shown_with_their_values() {
 }
 
 #[test]
+fn a_value_of_another_kind_is_named_with_its_time() {
+    let files = [
+        ("spec.rv", "slow: never x + 1 > 5\nworn: always y\ntwice: count(z > 1, 10 s) < 5\n"),
+        ("run.csv", "time,x,y,z\n0,1,true,1\n1.5,n/a,true,1\n2,1,true,1\n3,1,worn,1\n4,1,true,1\n"),
+    ];
+    let folder = Folder::new(&files);
+    let run = folder.lapwing("check spec.rv run.csv --format json");
+    let report: Value = serde_json::from_str(&run.stdout).unwrap();
+    let told = |n: usize| (&report[0]["properties"][n]["verdict"], &report[0]["properties"][n]["cause"]);
+    assert_eq!(told(0), (&"inconclusive".into(), &"the value of x at 1.5 s was of another kind than the formula needs".into()));
+    assert_eq!(told(1), (&"inconclusive".into(), &"the value of y at 3 s was of another kind than the formula needs".into()));
+    assert_eq!(told(2).0, "holds");
+    assert_eq!(run.code, 3);
+}
+
+#[test]
 fn standard_input_is_read_as_ndjson() {
     let folder = Folder::new(&[("spec.rv", "event kick\nfar: always (kick implies kick.power < 5)\nnever x > 2\n")]);
     let input = concat!(

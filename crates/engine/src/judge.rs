@@ -13,7 +13,7 @@ use crate::margin::Measured;
 use crate::node::Notes;
 use crate::outcome::{Episode, Outcome};
 use crate::piece::Piece;
-use crate::program::{Awaited, Group, Judge, Positions, Program, Read};
+use crate::program::{Awaited, Group, Judge, Positions, Program, Property, Read};
 use crate::standing::GivenUp;
 use crate::tracker::can_add;
 use crate::walk::Walk;
@@ -134,7 +134,7 @@ impl Piece {
             let name = property.stale.get(silence).map_or("a topic", |s| &*s.name);
             return Some(format!("{name} was silent from {} to {}", Time(from), Time(to)));
         }
-        is_spoilt.then(|| "a value was of another kind than the formula needs".to_string())
+        is_spoilt.then(|| of_another_kind(property, at, walk))
     }
 
     /// What to call what did not come.
@@ -149,6 +149,15 @@ impl Piece {
         let counters = &program.properties[number].counters;
         counters.iter().filter_map(|&c| notes.nans.get(c as usize)).map(|n| n.get()).sum()
     }
+}
+
+/// The cause of a property whose formula met a value that it can do nothing with.
+fn of_another_kind(property: &Property, at: &Positions, walk: &Walk) -> String {
+    let (time, signal) = walk.culprit.unwrap_or_default();
+    let read = signal.and_then(|signal| at.reads.iter().position(|(read, _)| *read == Read::Slot(signal)));
+    let name = read.and_then(|read| property.waits_for.get(read)).map(|awaited| &*awaited.name);
+    let what = name.map_or_else(|| "a value".to_string(), |name| format!("the value of {name}"));
+    format!("{what} at {} was of another kind than the formula needs", Time(time))
 }
 
 impl Outcome {

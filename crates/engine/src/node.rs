@@ -36,9 +36,11 @@ pub(crate) struct Notes {
     pub met_nan: Cell<bool>,
     /// Whether a value was of another kind than was needed.
     pub fault: Cell<bool>,
+    /// The first signal of which that is known, until somebody asks.
+    pub culprit: Cell<Option<usize>>,
 }
 
-packed!(Notes { nans, met_nan, fault });
+packed!(Notes { nans, met_nan, fault } without { culprit });
 
 impl Notes {
     /// Nothing to remark.
@@ -118,7 +120,7 @@ impl<'a> View<'a> {
             Value::Bool(b) => *b,
             Value::Num(x) if truth => *x != 0.0 && !x.is_nan(),
             Value::Missing => false,
-            _ => self.fault(false),
+            _ => self.fault(Some(slot), false),
         }
     }
 
@@ -163,14 +165,14 @@ impl<'a> View<'a> {
                 compare(*op, a, b, m) && (!(a.is_nan() | b.is_nan()) || (self.is_there(*left) && self.is_there(*right)))
             }
             Node::Event(e) => self.occurs(*e).is_some(),
-            Node::InState { machine, .. } if self.inputs.lost.get(*machine) == Some(&true) => self.fault(false),
+            Node::InState { machine, .. } if self.inputs.lost.get(*machine) == Some(&true) => self.fault(self.signal_in(id), false),
             Node::InState { machine, state } => self.inputs.machines.get(*machine) == Some(state),
             Node::Fresh(t) => self.inputs.topics.get(*t).is_some_and(|t| t.fresh),
             Node::Updated(slots) => slots.iter().any(|&s| self.inputs.versions.get(s) > self.seen.get(s)),
             _ => match self.val(id, vars) {
                 Val::Bool(b) => b,
                 Val::None => false,
-                _ => self.fault(false),
+                _ => self.fault(self.signal_in(id), false),
             },
         }
     }
@@ -192,7 +194,7 @@ impl<'a> View<'a> {
             Node::Slot(s) => match &self.inputs.slots[*s] {
                 Value::Num(x) => *x,
                 Value::Missing => f64::NAN,
-                _ => self.fault(f64::NAN),
+                _ => self.fault(self.signal_in(id), f64::NAN),
             },
             Node::Reg(r) if let Value::Num(x) = &self.values[*r as usize] => *x,
             Node::Call(func, args) if func.is_numeric() => self.calculate(*func, args, vars),
@@ -214,7 +216,7 @@ impl<'a> View<'a> {
             _ => match self.val(id, vars) {
                 Val::Num(x) => x,
                 Val::None => f64::NAN,
-                _ => self.fault(f64::NAN),
+                _ => self.fault(self.signal_in(id), f64::NAN),
             },
         }
     }
@@ -238,25 +240,25 @@ impl<'a> View<'a> {
             Node::Field(of, name) => match self.val(*of, vars) {
                 Val::Ref(v) => v.field(name).map_or(NOTHING, Val::from),
                 Val::None => Val::None,
-                _ => self.fault(Val::None),
+                _ => self.fault(self.signal_in(*of), Val::None),
             },
             Node::Index(of, i) => match self.val(*of, vars) {
                 Val::Ref(array) => element(array, *i),
                 Val::None => Val::None,
-                _ => self.fault(Val::None),
+                _ => self.fault(self.signal_in(*of), Val::None),
             },
             Node::Truth(of) => match self.val(*of, vars) {
                 Val::Num(x) => Val::Bool(x != 0.0 && !x.is_nan()),
                 Val::Bool(b) => Val::Bool(b),
                 Val::None => Val::Bool(false),
-                _ => self.fault(Val::Bool(false)),
+                _ => self.fault(self.signal_in(*of), Val::Bool(false)),
             },
             Node::CompareAny { op, margin, left, right, counter } => {
                 let (a, b) = (self.val(*left, vars), self.val(*right, vars));
                 let m = margin.map_or(0.0, |m| self.number(m, vars));
-                Val::Bool(self.compare_any(*op, a, b, m, *counter))
+                Val::Bool(self.compare_any(id, *op, (a, b), m, *counter))
             }
-            Node::Call(func, args) => self.call(*func, args, vars),
+            Node::Call(func, args) => self.call(id, *func, args, vars),
             Node::Any { array, body } => Val::Bool(self.any(*array, *body, vars)),
             Node::Num(_) | Node::Neg(_) | Node::Arith(..) | Node::Age(_) | Node::Frequency(..) => {
                 Val::Num(self.number(id, vars))
@@ -290,7 +292,7 @@ impl<'a> View<'a> {
     /// The same as [`View::occurrence`], where it can be told.
     pub fn occurs(&self, event: usize) -> Option<&'a [Value]> {
         match self.inputs.events.get(event) {
-            Some(state) if state.is_unclear => self.fault(None),
+            Some(state) if state.is_unclear => self.fault(None, None),
             _ => self.occurrence(event),
         }
     }
@@ -328,7 +330,7 @@ impl<'a> View<'a> {
         }
     }
 
-    fn compare_any(&self, op: Compare, a: Val<'_>, b: Val<'_>, margin: f64, counter: u32) -> bool {
+    fn compare_any(&self, id: NodeId, op: Compare, (a, b): (Val<'_>, Val<'_>), margin: f64, counter: u32) -> bool {
         let same = match (a, b) {
             (Val::Num(a), Val::Num(b)) => {
                 self.count_nan(counter, a, b);
@@ -338,16 +340,16 @@ impl<'a> View<'a> {
             (Val::Bool(a), Val::Bool(b)) => a == b,
             (Val::None, _) | (_, Val::None) => return false,
             (Val::Num(x), Val::Str(_)) | (Val::Str(_), Val::Num(x)) if x.is_nan() => false,
-            _ => return self.fault(false),
+            _ => return self.fault(self.signal_in(id), false),
         };
         match op {
             Compare::Eq => same,
             Compare::Ne => !same,
-            _ => self.fault(false),
+            _ => self.fault(self.signal_in(id), false),
         }
     }
 
-    fn call<'b>(&self, func: Func, args: &[NodeId], vars: Option<&Vars<'b>>) -> Val<'b>
+    fn call<'b>(&self, id: NodeId, func: Func, args: &[NodeId], vars: Option<&Vars<'b>>) -> Val<'b>
     where
         'a: 'b,
     {
@@ -359,14 +361,14 @@ impl<'a> View<'a> {
                 Val::Ref(Value::Nums(v)) => Val::Num(v.len() as f64),
                 Val::Ref(Value::List(v)) => Val::Num(v.len() as f64),
                 Val::None => Val::Num(f64::NAN),
-                _ => self.fault(Val::Num(f64::NAN)),
+                _ => self.fault(self.signal_in(id), Val::Num(f64::NAN)),
             },
-            Func::MinOf => Val::Num(self.fold(arg(0), |v| least(v.iter().copied()))),
-            Func::MaxOf => Val::Num(self.fold(arg(0), |v| greatest(v.iter().copied()))),
-            Func::Lookup => lookup(arg(0), arg(1), arg(2)).unwrap_or_else(|| self.fault(Val::None)),
-            Func::StartsWith => self.text(arg(0), arg(1), |a, b| a.starts_with(b)),
-            Func::EndsWith => self.text(arg(0), arg(1), |a, b| a.ends_with(b)),
-            Func::Contains => self.text(arg(0), arg(1), |a, b| a.contains(b)),
+            Func::MinOf => Val::Num(self.fold(id, arg(0), |v| least(v.iter().copied()))),
+            Func::MaxOf => Val::Num(self.fold(id, arg(0), |v| greatest(v.iter().copied()))),
+            Func::Lookup => lookup(arg(0), arg(1), arg(2)).unwrap_or_else(|| self.fault(self.signal_in(id), Val::None)),
+            Func::StartsWith => self.text(id, arg(0), arg(1), |a, b| a.starts_with(b)),
+            Func::EndsWith => self.text(id, arg(0), arg(1), |a, b| a.ends_with(b)),
+            Func::Contains => self.text(id, arg(0), arg(1), |a, b| a.contains(b)),
             _ => Val::Num(self.calculate(func, args, vars)),
         }
     }
@@ -388,20 +390,20 @@ impl<'a> View<'a> {
         }
     }
 
-    fn fold(&self, array: Val<'_>, of: impl Fn(&[f64]) -> f64) -> f64 {
+    fn fold(&self, id: NodeId, array: Val<'_>, of: impl Fn(&[f64]) -> f64) -> f64 {
         match array {
             Val::Ref(Value::Nums(v)) => of(v),
             Val::Ref(Value::List(v)) if v.is_empty() => f64::NAN,
             Val::None => f64::NAN,
-            _ => self.fault(f64::NAN),
+            _ => self.fault(self.signal_in(id), f64::NAN),
         }
     }
 
-    fn text<'b>(&self, a: Val<'_>, b: Val<'_>, of: impl Fn(&str, &str) -> bool) -> Val<'b> {
+    fn text<'b>(&self, id: NodeId, a: Val<'_>, b: Val<'_>, of: impl Fn(&str, &str) -> bool) -> Val<'b> {
         match (a, b) {
             (Val::Str(a), Val::Str(b)) => Val::Bool(of(a, b)),
             (Val::None, _) | (_, Val::None) => Val::Bool(false),
-            _ => self.fault(Val::Bool(false)),
+            _ => self.fault(self.signal_in(id), Val::Bool(false)),
         }
     }
 
@@ -412,14 +414,32 @@ impl<'a> View<'a> {
             Val::Ref(Value::Nums(v)) => v.iter().any(|&x| !x.is_nan() && holds(Val::Num(x))),
             Val::Ref(Value::List(v)) => v.iter().any(|v| holds(v.into())),
             Val::None => false,
-            _ => self.fault(false),
+            _ => self.fault(self.signal_in(array), false),
         }
     }
 
     #[cold]
-    fn fault<T>(&self, instead: T) -> T {
+    fn fault<T>(&self, signal: Option<usize>, instead: T) -> T {
         self.notes.fault.set(true);
+        self.notes.culprit.set(self.notes.culprit.get().or(signal));
         instead
+    }
+
+    /// The first signal that an expression reads.
+    fn signal_in(&self, id: NodeId) -> Option<usize> {
+        match self.node(id) {
+            Node::Slot(slot) => Some(*slot),
+            Node::Not(of) | Node::Neg(of) | Node::Truth(of) | Node::Field(of, _) | Node::Index(of, _) => self.signal_in(*of),
+            Node::And(a, b) | Node::Or(a, b) | Node::Iff(a, b) | Node::Arith(_, a, b) => {
+                self.signal_in(*a).or_else(|| self.signal_in(*b))
+            }
+            Node::Compare { left, right, .. } | Node::CompareAny { left, right, .. } => {
+                self.signal_in(*left).or_else(|| self.signal_in(*right))
+            }
+            Node::Call(_, args) => args.iter().find_map(|&arg| self.signal_in(arg)),
+            Node::Any { array, .. } => self.signal_in(*array),
+            _ => None,
+        }
     }
 }
 

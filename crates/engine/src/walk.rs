@@ -36,6 +36,8 @@ pub(crate) struct Walk {
     pub notes: Notes,
     /// The operators that met a value of another kind than they need: what they say from then on means nothing.
     pub faults: Vec<usize>,
+    /// When the first of them did, and with which signal, where that is known.
+    pub culprit: Option<(i64, Option<usize>)>,
     /// Where it stands in the automaton that the operators are, where they are one.
     #[serde(skip)]
     pub(crate) place: Place,
@@ -43,7 +45,7 @@ pub(crate) struct Walk {
     flips: Box<[(Option<i64>, usize)]>,
 }
 
-packed!(Walk { started, waited, registers, memories, latest, last, again, alarm, notes, faults, flips } without { place });
+packed!(Walk { started, waited, registers, memories, latest, last, again, alarm, notes, faults, culprit, flips } without { place });
 
 /// A move that was made.
 pub(crate) struct Glide {
@@ -69,7 +71,7 @@ impl Walk {
     pub fn start_afresh(&mut self, at: &Positions, inputs: &Inputs) {
         let fresh = Walk::new(at, inputs, self.notes.nans.len());
         let (notes, faults) = (core::mem::take(&mut self.notes), core::mem::take(&mut self.faults));
-        *self = Walk { notes, faults, ..fresh };
+        *self = Walk { notes, faults, culprit: self.culprit, ..fresh };
     }
 
     fn blank(at: &Positions, counters: usize) -> Walk {
@@ -84,6 +86,7 @@ impl Walk {
             alarm: i64::MAX,
             notes: Notes::new(counters),
             faults: Vec::new(),
+            culprit: None,
             place: Place::default(),
             flips: alloc::vec![(None, 0); at.ages.len()].into(),
         }
@@ -106,6 +109,7 @@ impl Walk {
             past::look(&Scene { here, before: None, notes }, memories, registers);
             self.notes.nans.iter().for_each(|n| n.set(0));
             self.notes.fault.set(false);
+            self.notes.culprit.set(None);
         }
         self.started
     }
@@ -119,6 +123,7 @@ impl Walk {
                 None => {
                     if here.inputs.is_unclear(event) {
                         self.faults = (0..here.at.ops.len()).collect();
+                        self.culprit.get_or_insert((here.now, None));
                     }
                     self.view(here).occurrence(event).is_some()
                 }
@@ -253,21 +258,21 @@ impl Walk {
             }
             past::slow((i, op), memory, &scene, &[word], &mut self.registers.values)
         };
-        note_fault(&self.notes, &mut self.faults, i);
+        note_fault(&self.notes, (&mut self.faults, &mut self.culprit), i, here.now);
         stepped
     }
 
     /// Runs everything: at position 0, and where there is more than can be kept account of.
     #[inline(never)]
     fn run_all(&mut self, here: Here<'_>) {
-        let Walk { registers, memories, latest, notes, again, alarm, faults, .. } = self;
+        let Walk { registers, memories, latest, notes, again, alarm, faults, culprit, .. } = self;
         let Registers { bits, values } = registers;
         let scene = Scene { here, before: self.last, notes };
         (*again, *alarm) = (0, i64::MAX);
         for (i, memory) in memories.iter_mut().enumerate() {
             let Stepped { holds, next, .. } = past::step(i, (memory, latest), &scene, bits, values);
             past::set(bits, i, holds);
-            note_fault(notes, faults, i);
+            note_fault(notes, (faults, culprit), i, here.now);
             match next {
                 NOW => *again |= 1_u64.checked_shl(i as u32).unwrap_or(0),
                 next => *alarm = (*alarm).min(next),
@@ -343,8 +348,18 @@ impl Walk {
 }
 
 /// Remembers that an operator met a fault, where it did.
-fn note_fault(notes: &Notes, faults: &mut Vec<usize>, op: usize) {
-    if notes.fault.take() && !faults.contains(&op) {
-        faults.push(op);
+#[inline]
+fn note_fault(
+    notes: &Notes,
+    (faults, culprit): (&mut Vec<usize>, &mut Option<(i64, Option<usize>)>),
+    op: usize,
+    now: i64,
+) {
+    if notes.fault.take() {
+        let signal = notes.culprit.take();
+        culprit.get_or_insert((now, signal));
+        if !faults.contains(&op) {
+            faults.push(op);
+        }
     }
 }
