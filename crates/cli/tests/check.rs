@@ -66,8 +66,14 @@ fn a_value_of_another_kind_is_named_with_its_time() {
     let run = folder.lapwing("check spec.rv run.csv --format json");
     let report: Value = serde_json::from_str(&run.stdout).unwrap();
     let told = |n: usize| (&report[0]["properties"][n]["verdict"], &report[0]["properties"][n]["cause"]);
-    assert_eq!(told(0), (&"inconclusive".into(), &"the value of x at 1.5 s was of another kind than the formula needs".into()));
-    assert_eq!(told(1), (&"inconclusive".into(), &"the value of y at 3 s was of another kind than the formula needs".into()));
+    assert_eq!(
+        told(0),
+        (&"inconclusive".into(), &"the value of x at 1.5 s was of another kind than the formula needs".into())
+    );
+    assert_eq!(
+        told(1),
+        (&"inconclusive".into(), &"the value of y at 3 s was of another kind than the formula needs".into())
+    );
     assert_eq!(told(2).0, "holds");
     assert_eq!(run.code, 3);
 }

@@ -165,7 +165,9 @@ impl<'a> View<'a> {
                 compare(*op, a, b, m) && (!(a.is_nan() | b.is_nan()) || (self.is_there(*left) && self.is_there(*right)))
             }
             Node::Event(e) => self.occurs(*e).is_some(),
-            Node::InState { machine, .. } if self.inputs.lost.get(*machine) == Some(&true) => self.fault(self.signal_in(id), false),
+            Node::InState { machine, .. } if self.inputs.lost.get(*machine) == Some(&true) => {
+                self.fault(self.signal_in(id), false)
+            }
             Node::InState { machine, state } => self.inputs.machines.get(*machine) == Some(state),
             Node::Fresh(t) => self.inputs.topics.get(*t).is_some_and(|t| t.fresh),
             Node::Updated(slots) => slots.iter().any(|&s| self.inputs.versions.get(s) > self.seen.get(s)),
@@ -429,7 +431,9 @@ impl<'a> View<'a> {
     fn signal_in(&self, id: NodeId) -> Option<usize> {
         match self.node(id) {
             Node::Slot(slot) => Some(*slot),
-            Node::Not(of) | Node::Neg(of) | Node::Truth(of) | Node::Field(of, _) | Node::Index(of, _) => self.signal_in(*of),
+            Node::Not(of) | Node::Neg(of) | Node::Truth(of) | Node::Field(of, _) | Node::Index(of, _) => {
+                self.signal_in(*of)
+            }
             Node::And(a, b) | Node::Or(a, b) | Node::Iff(a, b) | Node::Arith(_, a, b) => {
                 self.signal_in(*a).or_else(|| self.signal_in(*b))
             }
