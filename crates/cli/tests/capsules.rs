@@ -2,6 +2,9 @@
 
 mod common;
 
+use std::path::Path;
+use std::process::Command;
+
 use common::{Folder, Run, stop_sign};
 use serde_json::Value;
 
@@ -20,6 +23,28 @@ fn replays(folder: &Folder, capsule: &str) -> String {
     assert!(run.stdout.contains("the same verdict as in the recording"), "{}{}", run.stdout, run.stderr);
     assert_eq!(run.code, 1);
     run.stdout
+}
+
+/// What the libraries that Foxglove opens recordings with find in a file: its topics, their types, how many messages, and how many after the middle.
+fn by_foxglove(folder: &Folder, file: &str) -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    assert!(root.join(".foxglove/installed").exists(), "run tools/foxglove.sh once, then this test again");
+    let script = root.join("crates/sim/tests/others/foxglove.mjs");
+    let said = Command::new("node").arg(script).arg(folder.path(file)).output().unwrap();
+    assert!(said.status.success(), "{}", String::from_utf8_lossy(&said.stderr));
+    String::from_utf8_lossy(&said.stdout).into_owned()
+}
+
+#[test]
+fn foxglove_can_read_the_clips() {
+    let folder = Folder::new(&[("stop.rv", STOP), ("x.rv", "never x > 5\n"), ("run.csv", "time,x\n0,1\n1,9\n3,1\n")]);
+    folder.write("run.mcap", &stop_sign());
+    assert_eq!(encapsulate(&folder, "stop.rv run.mcap").code, 1);
+    let said = by_foxglove(&folder, "caps/second_stop-1/clip.mcap");
+    assert!(said.contains("/odom nav_msgs/msg/Odometry ") && said.contains("/lapwing/end "), "{said}");
+    assert_eq!(encapsulate(&folder, "x.rv run.csv").code, 1);
+    let said = by_foxglove(&folder, "caps/line-1-1/clip.mcap");
+    assert_eq!(said, "/lapwing/rows lapwing.rows 3 1\n/lapwing/end lapwing.end 1 1\n");
 }
 
 const STOP: &str = "\

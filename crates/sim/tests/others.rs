@@ -1,6 +1,6 @@
 //! Other people's tools open our recordings, and read in them what we read.
 //!
-//! Needs what `tools/peers.sh` installs; without it the test fails and says so.
+//! Needs what `tools/peers.sh` and `tools/foxglove.sh` install; without it the tests fail and say so.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -97,6 +97,24 @@ fn a_viewer_finds_what_it_needs() {
     let said = script("viewer.py", file.path()).output().unwrap();
     assert!(said.status.success(), "{}", String::from_utf8_lossy(&said.stderr));
     assert_eq!(String::from_utf8_lossy(&said.stdout), "");
+}
+
+/// The libraries that Foxglove itself opens recordings with decode every message, and jump to the middle.
+#[test]
+fn foxglove_can_read_it() {
+    let (file, count) = everything();
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    assert!(here.join("../../.foxglove/installed").exists(), "run tools/foxglove.sh once, then this test again");
+    let said = Command::new("node").arg(here.join("tests/others/foxglove.mjs")).arg(file.path()).output().unwrap();
+    assert!(said.status.success(), "{}", String::from_utf8_lossy(&said.stderr));
+    let said = String::from_utf8_lossy(&said.stdout).into_owned();
+    let topics: Vec<Vec<&str>> = said.lines().map(|line| line.split(' ').collect()).collect();
+    for topic in fields().keys() {
+        assert!(topics.iter().any(|words| words[0] == *topic), "{topic} is missing from\n{said}");
+    }
+    let sum = |column: usize| topics.iter().map(|words| words[column].parse::<u64>().unwrap()).sum::<u64>();
+    assert_eq!(sum(2), count);
+    assert!((count * 2 / 5..=count * 3 / 5).contains(&sum(3)), "{} of {count} come after the middle", sum(3));
 }
 
 /// In the order of time, and at one time in that of topics: readers differ in what they give first.
