@@ -43,7 +43,7 @@ const CODELS: &str = r#"
 
 struct C_handle { int marks; };
 
-genom_event CFill(const t_all *from, const t_number *kind, int32_t *sum, char word[9], t_all *a, t_number *u, C_handle **h,
+genom_event CFill(const t_all *from, const t_number *kind, int32_t *sum, char word[8], t_all *a, t_number *u, C_handle **h,
                   const genom_context self) {
   (void)self;
   if (!*h) *h = calloc(1, sizeof(**h));
