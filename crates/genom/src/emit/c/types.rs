@@ -395,8 +395,7 @@ impl Writer<'_, '_> {
                         Some(most) => self.names.declare(inner, &format!("_buffer[{most}]"))?,
                         None => self.names.declare(inner, "*_buffer")? + "; void (*_release)(void *_buffer)",
                     };
-                    self.out +=
-                        &format!("typedef struct {name} {{ uint32_t _maximum, _length; {buffer}; }} {name};\n");
+                    self.out += &format!("typedef struct {name} {{ uint32_t _maximum, _length; {buffer}; }} {name};\n");
                 }
                 Ok(())
             }
