@@ -3,7 +3,7 @@
 use lapwing_diag::SourceMap;
 use lapwing_genom::Model;
 use lapwing_genom::model::{Direction, Parameter};
-use lapwing_stream::{Duration, Time, json};
+use lapwing_stream::{Duration, Time};
 
 use crate::datum::Datum;
 use crate::happening::{Happening, What, Whose, line, place};
@@ -111,7 +111,7 @@ impl Teller<'_> {
 
     fn value(&self, ty: &lapwing_genom::model::Type, value: &Datum) -> String {
         let mut text = String::new();
-        json::value(&mut text, &self.types.to_value(ty, value));
+        self.types.write(&mut text, ty, value);
         if text.len() > MOST_SHOWN {
             let end = (0..=MOST_SHOWN).rev().find(|at| text.is_char_boundary(*at)).unwrap_or(0);
             text.truncate(end);

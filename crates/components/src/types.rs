@@ -2,6 +2,7 @@
 
 mod outline;
 mod size;
+mod text;
 
 use std::collections::BTreeSet;
 use std::sync::Arc;

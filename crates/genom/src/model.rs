@@ -27,6 +27,8 @@ pub struct CodelId(pub usize);
 pub struct Model {
     /// All types that have a name.
     pub types: Vec<TypeDef>,
+    /// All constants, in the order of the text.
+    pub constants: Vec<Constant>,
     /// The components, in the order of their first opening.
     pub components: Vec<Component>,
     /// Which in-port reads which out-port.
@@ -96,6 +98,17 @@ pub enum TypeDefKind {
     Exception(Vec<Field>),
     /// Declared, and nowhere defined.
     Forward,
+}
+
+/// A value with a name.
+#[derive(Clone, Debug)]
+pub struct Constant {
+    /// The scopes that it is in, and its own name.
+    pub path: Vec<String>,
+    /// Its type.
+    pub ty: Type,
+    /// What it is.
+    pub value: Value,
 }
 
 /// The value for which a union has a member.

@@ -37,10 +37,9 @@ fn state_machines() {
     );
     activity("codel<start, start> f() yield ether;", &["duplicate-name: start"]);
     activity("codel<start, ether> f() yield ether;", &["unknown-event: ether"]);
-    activity(
-        "codel<start> f() yield ether; codel<pause::stop> g() yield ether;",
-        &["unknown-event: stop", "unreachable-codel: g"],
-    );
+    // A codel without an event of its own is not said to be out of reach as well.
+    activity("codel<start> f() yield ether; codel<pause::stop> g() yield ether;", &["unknown-event: stop"]);
+    activity("codel<start> f() yield ether; codel<start> g() yield ether;", &["duplicate-name: start"]);
 }
 
 #[test]

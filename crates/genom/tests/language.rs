@@ -89,6 +89,18 @@ fn interfaces_are_provided_used_and_extended() {
 }
 
 #[test]
+fn the_types_of_an_interface_are_those_of_who_extends_it() {
+    let loaded = sound(
+        "interface base { struct s { long m; }; exception e; };
+         interface more { extends base; port out s answer; };
+         component server { provides more; ids { s kept; }; function Ask(in s what) { throw e; codel ask(in what, out kept); }; };
+         component client { uses more; function Tell(in s what) { throw e; }; };",
+    );
+    let asked: Vec<_> = loaded.model.components.iter().map(|c| c.services[0].parameters[0].ty.clone()).collect();
+    assert_eq!(asked[0], asked[1]);
+}
+
+#[test]
 fn parts_and_defaults() {
     let loaded = sound(
         "component c { ids { struct s { double x; long n[4]; } a; };

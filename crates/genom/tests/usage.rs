@@ -62,6 +62,13 @@ fn a_component_speaks_for_itself_before_its_interfaces_do() {
     let said = |c: &Component| (c.version.clone(), c.email.clone(), c.requires.join(" "));
     assert_eq!(said(c), ("3".to_owned(), "j".to_owned(), "a b".to_owned()));
     assert_eq!(said(d), ("1".to_owned(), "j".to_owned(), "a".to_owned()));
+    let clocks = |own: &str| {
+        codes(&text(&format!(
+            "interface i {{ clock-rate 1; }}; interface j {{ clock-rate 2; }}; interface k {{ extends i, j; {own} }};"
+        )))
+    };
+    assert_eq!(clocks(""), ["bad-property: 2"]);
+    assert_eq!(clocks("clock-rate 1;"), [""; 0]);
     let twice = "component c { version \"1\"; version \"2\"; };";
     assert_eq!(codes(&text(twice)), ["bad-property: version"]);
 }

@@ -26,15 +26,16 @@ impl Resolver<'_> {
         }
     }
 
-    /// The value of a constant of a type: a whole number is a fraction where the type has them, so that half of 1 is 0.5. One that is no value of
-    /// the type is complained of, and taken as it is.
-    pub(super) fn converted(&mut self, ty: Option<&Type>, value: Const, place: Span) -> Const {
-        let Some(ty) = ty else { return value };
-        drop(self.fitting(ty, value.clone(), place));
-        match (ty.behind(&self.types), value) {
+    /// The value of a constant of a type, for further expressions and as one of the type: a whole number is a fraction where the type has them, so
+    /// that half of 1 is 0.5. One that is no value of the type is complained of, and taken as it is.
+    pub(super) fn converted(&mut self, ty: Option<&Type>, value: Const, place: Span) -> (Const, Option<Value>) {
+        let Some(ty) = ty else { return (value, None) };
+        let value = match (ty.behind(&self.types), value) {
             (Type::Basic(Basic::Float | Basic::Double), Const::Int(value)) => Const::Float(value as f64),
             (_, value) => value,
-        }
+        };
+        let own = self.fitting(ty, value.clone(), place);
+        (value, own)
     }
 
     /// A value as one of a type.

@@ -106,7 +106,11 @@ impl Resolver<'_> {
             *mark = true;
             waiting.extend(targets(codels, first, next));
         }
-        for (codel, _) in codels.iter().zip(&reached).filter(|(_, reached)| !**reached) {
+        for (number, codel) in codels.iter().enumerate().filter(|(number, _)| reached.get(*number) == Some(&false)) {
+            // That one has no event of its own was said.
+            if !states.values().any(|state| state.0 == first + number) {
+                continue;
+            }
             let message = format!("no way leads to `{}` from `start` or `stop`", codel.label());
             let help = "let a codel yield it, or remove it";
             self.report(Diagnostic::new(Code::UnreachableCodel, codel.span, message).help(help));

@@ -17,7 +17,7 @@ mod types;
 use lapwing_diag::Diagnostic;
 
 use crate::ast::Item;
-use crate::model::{Model, TypeDef};
+use crate::model::{Constant, Model, TypeDef};
 use draft::Draft;
 use scope::{GLOBAL, ScopeId, Scopes};
 
@@ -29,6 +29,7 @@ pub(crate) fn resolve(items: &[Item], incomplete: bool, diagnostics: &mut Vec<Di
     let mut resolver = Resolver {
         scopes: Scopes::new(),
         types: Vec::new(),
+        constants: Vec::new(),
         drafts: Vec::new(),
         provided: Vec::new(),
         required: Vec::new(),
@@ -42,6 +43,7 @@ pub(crate) fn resolve(items: &[Item], incomplete: bool, diagnostics: &mut Vec<Di
 struct Resolver<'a> {
     scopes: Scopes,
     types: Vec<TypeDef>,
+    constants: Vec<Constant>,
     /// Components and interfaces.
     drafts: Vec<Draft<'a>>,
     /// Interfaces that every component provides, by `#pragma provide`.
@@ -93,6 +95,6 @@ impl<'a> Resolver<'a> {
                 components.push(component);
             }
         }
-        Model { types: self.types, components, links: Vec::new() }
+        Model { types: self.types, constants: self.constants, components, links: Vec::new() }
     }
 }

@@ -108,6 +108,9 @@ impl<'a> Resolver<'a> {
                 let name = property.word.name.as_str();
                 let is_known = says_itself(name) || single.iter().any(|(known, _)| *known == name);
                 if is_body && *scope != own && is_known {
+                    if !says_itself(name) {
+                        self.one_clock(&sorted, *scope, property);
+                    }
                     continue;
                 }
                 // An interface that is imported twice says the same twice.
@@ -123,6 +126,21 @@ impl<'a> Resolver<'a> {
             self.sort(&mut sorted, own, *scope, property);
         }
         sorted
+    }
+
+    /// Interfaces may differ in who wrote them, but not in the clock that drives what is in them.
+    fn one_clock(&mut self, sorted: &Properties<'a>, scope: ScopeId, property: &Property) {
+        let PropertyKind::Time(TimeProperty::ClockRate, quantity) = &property.kind else { return };
+        let known = sorted.times.iter().find(|(which, ..)| *which == TimeProperty::ClockRate);
+        let Some((_, known, before)) = known.filter(|(.., span)| *span != quantity.span) else { return };
+        if self.time(scope, quantity).is_some_and(|ns| ns != *known) {
+            let message = "two interfaces that are imported have different clock rates";
+            self.report(
+                Diagnostic::new(Code::BadProperty, quantity.span, message)
+                    .also(*before, "the other one")
+                    .help("say which counts: write `clock-rate …;` in what imports both"),
+            );
+        }
     }
 
     fn sort(&mut self, sorted: &mut Properties<'a>, own: ScopeId, scope: ScopeId, property: &'a Property) {

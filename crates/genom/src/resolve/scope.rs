@@ -70,10 +70,14 @@ impl Scopes {
         self.all.get(scope.0).map_or(&[], |s| &s.path)
     }
 
-    /// Lets the names of another scope be seen in one.
+    /// Lets the names of another scope be seen in one, and those that are seen in that.
     pub(super) fn see(&mut self, scope: ScopeId, other: ScopeId) {
-        if let Some(scope) = self.all.get_mut(scope.0).filter(|s| !s.seen.contains(&other)) {
-            scope.seen.push(other);
+        let further = self.all.get(other.0).map(|s| s.seen.clone()).unwrap_or_default();
+        let Some(scope) = self.all.get_mut(scope.0) else { return };
+        for other in [other].into_iter().chain(further) {
+            if !scope.seen.contains(&other) {
+                scope.seen.push(other);
+            }
         }
     }
 

@@ -7,7 +7,7 @@ use super::constant::Const;
 use super::scope::{ScopeId, Symbol};
 use crate::ast;
 use crate::ast::{Case, Decl, Declarator, Expr, Ident, Member, TypeKind};
-use crate::model::{Field, Label, Type, TypeDef, TypeDefKind, TypeId};
+use crate::model::{Constant, Field, Label, Type, TypeDef, TypeDefKind, TypeId};
 
 impl Resolver<'_> {
     /// Declares something in a scope.
@@ -23,7 +23,11 @@ impl Resolver<'_> {
                 let value = self.constant(scope, value).map(|value| self.converted(ty.as_ref(), value, place));
                 self.claim(scope, name, |symbol| symbol.ty.is_some() || symbol.value.is_some());
                 let symbol = self.scopes.own(scope, &name.name);
-                (symbol.value, symbol.span) = (value, name.span);
+                (symbol.value, symbol.span) = (value.clone().map(|(value, _)| value), name.span);
+                if let (Some(ty), Some((_, Some(value)))) = (ty, value) {
+                    let path = self.scopes.path(scope).iter().cloned().chain([name.name.clone()]).collect();
+                    self.constants.push(Constant { path, ty, value });
+                }
             }
             Decl::Typedef(ty, declarators) => {
                 let ty = self.ty(scope, ty);

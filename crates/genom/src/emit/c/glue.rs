@@ -194,12 +194,7 @@ impl Glue<'_, '_> {
                         self.say(format!("  v->_d = ({})d;", self.names.base(on)?));
                     }
                 }
-                let scope = match self.names.shape(on) {
-                    Type::Named(id) => self.names.def(*id).map(|d| d.path.clone()).unwrap_or_default(),
-                    _ => Vec::new(),
-                };
-                let prefix: String =
-                    scope.split_last().map_or(&[][..], |(_, s)| s).iter().map(|s| format!("{s}_")).collect();
+                let prefix = self.names.enumerators(on);
                 self.say("  switch ((int64_t)v->_d) {");
                 for (tags, field) in cases {
                     let tags = labels(tags, &prefix);
@@ -311,7 +306,7 @@ impl Glue<'_, '_> {
                         ));
                     }
                     None => {
-                        self.say(format!("{margin}{at}._maximum = 0; {at}._buffer = 0;"));
+                        self.say(format!("{margin}{at}._maximum = 0; {at}._buffer = 0; {at}._release = 0;"));
                         self.say(format!(
                             "{margin}if (genom_sequence_reserve(&{at}, {at}._length) != 0) {{ bytes->is_bad = true; {at}._length = 0; }}"
                         ));
@@ -330,7 +325,7 @@ impl Glue<'_, '_> {
         self.value(inner, &format!("{at}._buffer[{i}]"), way, depth + 1)?;
         self.say(format!("{margin}}}"));
         if way == Way::Drop && most.is_none() {
-            self.say(format!("{margin}free({at}._buffer);"));
+            self.say(format!("{margin}if ({at}._release) {at}._release({at}._buffer);"));
         }
         Ok(())
     }
@@ -386,7 +381,7 @@ impl Glue<'_, '_> {
             self.say("  return genom_ok;\n}");
             table += &format!(", {p}_write");
         }
-        self.say(format!("static const {name}_{p} port_{p} = {{ {table} }};\n"));
+        self.say(format!("LAPWING_UNUSED static const {name}_{p} port_{p} = {{ {table} }};\n"));
         Ok(())
     }
 
@@ -416,7 +411,7 @@ impl Glue<'_, '_> {
             self.say("  return genom_ok;\n}");
             table += &format!(", {p}_write");
         }
-        self.say(format!("static const {name}_{p} port_{p} = {{ {table} }};\n"));
+        self.say(format!("LAPWING_UNUSED static const {name}_{p} port_{p} = {{ {table} }};\n"));
         Ok(())
     }
 

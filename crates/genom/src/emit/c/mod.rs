@@ -110,7 +110,7 @@ fn header(names: &Names<'_>, component: &Component) -> Result<String, NotInC> {
     for event in &events {
         out += &format!("#define {name}_{} ((genom_event)\"{event}\")\n", event.replace("::", "_"));
     }
-    out += "\n/* Exceptions. */\n";
+    out += "\n#ifdef __cplusplus\nextern \"C\" {\n#endif\n\n/* Exceptions. */\n";
     out += &exceptions(names, component)?;
     out += "\n/* Ports. */\n";
     for port in &component.ports {
@@ -131,12 +131,15 @@ fn header(names: &Names<'_>, component: &Component) -> Result<String, NotInC> {
         }
         out += &format!("}} {own};\n");
     }
+    for remote in &component.remotes {
+        out += &format!("typedef struct {name}_{0} {name}_{0};\n", remote.name);
+    }
     out += "\n/* Codels. */\n";
     for (_, codel) in c_codels(component) {
         out += &prototype(names, component, codel)?;
         out += ";\n";
     }
-    Ok(out + "\n#endif\n")
+    Ok(out + "\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n")
 }
 
 /// Every exception that a codel may throw is a function that says so.
@@ -155,8 +158,11 @@ fn exceptions(names: &Names<'_>, component: &Component) -> Result<String, NotInC
             true => (format!("const {path}_detail *detail, "), "detail, sizeof(*detail)"),
             false => (String::new(), "0, 0"),
         };
+        // One text for all files that include this, so that what is thrown can be compared with it.
         out += &format!(
-            "static inline genom_event {path}({parameter}genom_context self) {{ return self->raise((genom_event)\"{short}\", {detail}, self); }}\n"
+            "#ifndef LAPWING_{path}\n#define LAPWING_{path}\n\
+             extern const char {path}_id[] __attribute__((weak));\nconst char {path}_id[] = \"{short}\";\n\
+             static inline genom_event {path}({parameter}genom_context self) {{ return self->raise({path}_id, {detail}, self); }}\n#endif\n"
         );
     }
     Ok(out)
@@ -171,7 +177,11 @@ fn prototype(names: &Names<'_>, component: &Component, codel: &Codel) -> Result<
                 let port = component.ports.get(port.0).map_or("", |p| &p.name);
                 format!("const {}_{port} *{}", component.name, parameter.name)
             }
-            Object::Remote(_) | Object::Unknown => format!("const void *{}", parameter.name),
+            Object::Remote(remote) => {
+                let remote = component.remotes.get(*remote).map_or("", |r| &r.name);
+                format!("const {}_{remote} *{}", component.name, parameter.name)
+            }
+            Object::Unknown => format!("const void *{}", parameter.name),
             Object::Ids(_) | Object::Local(..) => {
                 let ty = names.of(component, codel, parameter)?;
                 names.parameter(&ty, &parameter.name, parameter.direction)?
@@ -220,15 +230,19 @@ static inline void lapwing_elapse(uint64_t ns, genom_context self) {
 
 /* Makes room for elements in a sequence. Returns 0, or -1 where there can be no room. */
 #define genom_sequence_reserve(sequence, length) \
-  lapwing_reserve((void **)&(sequence)->_buffer, &(sequence)->_maximum, sizeof(*(sequence)->_buffer), (length))
+  lapwing_reserve((void **)&(sequence)->_buffer, &(sequence)->_maximum, &(sequence)->_release, \
+                  sizeof(*(sequence)->_buffer), (length))
 
-static inline int lapwing_reserve(void **buffer, uint32_t *maximum, size_t size, uint32_t length) {
+static inline int lapwing_reserve(void **buffer, uint32_t *maximum, void (**release)(void *), size_t size,
+                                  uint32_t length) {
   void *larger;
   if (length <= *maximum) return 0;
-  larger = realloc(*buffer, size * length);
+  larger = calloc(length, size);
   if (!larger) return -1;
-  memset((char *)larger + size * *maximum, 0, size * (length - *maximum));
+  if (*buffer) memcpy(larger, *buffer, size * *maximum);
+  if (*release) (*release)(*buffer);
   *buffer = larger;
+  *release = free;
   *maximum = length;
   return 0;
 }

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use super::NotInC;
 use crate::model::{
-    Basic, Codel, CodelParameter, Component, Direction, Field, Label, Model, Object, Step, Type, TypeDef, TypeDefKind,
-    TypeId,
+    Basic, Codel, CodelParameter, Component, Constant, Direction, Field, Label, Model, Object, Step, Type, TypeDef,
+    TypeDefKind, TypeId, Value,
 };
 
 /// Types inside types no deeper than this.
@@ -47,7 +47,50 @@ impl Names<'_> {
         for number in 0..self.model.types.len() {
             writer.named(TypeId(number), 0)?;
         }
+        for component in &self.model.components {
+            writer.nameless(component)?;
+        }
+        for constant in &self.model.constants {
+            let text = self.constant(constant)?;
+            writer.out += &text;
+        }
         Ok(writer.out)
+    }
+
+    /// A constant, where C can tell its type.
+    fn constant(&self, constant: &Constant) -> Result<String, NotInC> {
+        let Some(value) = self.literal(&constant.ty, &constant.value) else { return Ok(String::new()) };
+        let name = constant.path.join("_");
+        let declared = match self.passing(&constant.ty) {
+            Passing::Text => format!("char *const {name}"),
+            _ => self.declare(&constant.ty, &name)?,
+        };
+        Ok(format!("static const {declared} = {value};\n"))
+    }
+
+    fn literal(&self, ty: &Type, value: &Value) -> Option<String> {
+        Some(match value {
+            Value::Int(value) if *value == i128::from(i64::MIN) => "(-9223372036854775807LL - 1)".to_owned(),
+            Value::Int(value) => match i32::try_from(*value) {
+                Ok(value) => value.to_string(),
+                Err(_) if i64::try_from(*value).is_ok() => format!("{value}LL"),
+                Err(_) => format!("{value}ULL"),
+            },
+            Value::Float(value) => format!("{value:?}"),
+            Value::Bool(value) => value.to_string(),
+            Value::Text(text) => quoted(text),
+            Value::Name(name) => format!("{}{name}", self.enumerators(ty)),
+            Value::Parts(_) => return None,
+        })
+    }
+
+    /// What stands before the values of an enumeration: they are in the scope that it is in.
+    pub(super) fn enumerators(&self, ty: &Type) -> String {
+        let path = match self.shape(ty) {
+            Type::Named(id) => self.def(*id).map_or(&[][..], |d| &d.path),
+            _ => &[],
+        };
+        path.split_last().map_or(&[][..], |(_, scope)| scope).iter().map(|s| format!("{s}_")).collect()
     }
 
     pub(super) fn def(&self, id: TypeId) -> Option<&TypeDef> {
@@ -115,13 +158,18 @@ impl Names<'_> {
     /// A parameter of a function: `in` is a value, or an address of what must not be changed; the others are addresses.
     pub(super) fn parameter(&self, ty: &Type, name: &str, direction: Direction) -> Result<String, NotInC> {
         let is_in = direction == Direction::In;
+        // GenoM3's users write `char name[N]`; there is room for one more.
+        let text = |name| match ty {
+            Type::Text(Some(most)) => Ok(format!("char {name}[{most}]")),
+            _ => self.declare(ty, name),
+        };
         Ok(match self.passing(ty) {
             Passing::Value if is_in => self.declare(ty, name)?,
-            Passing::Array if is_in => format!("const {}", self.declare(ty, name)?),
+            Passing::Array if is_in => format!("const {}", text(name)?),
             Passing::Text if is_in => format!("const char *{name}"),
             Passing::Native if is_in => format!("const {} *{name}", self.base(ty)?),
             Passing::Address if is_in => format!("const {}", self.declare(ty, &format!("*{name}"))?),
-            Passing::Array => self.declare(ty, name)?,
+            Passing::Array => text(name)?,
             Passing::Text => format!("char **{name}"),
             Passing::Native => format!("{} **{name}", self.base(ty)?),
             Passing::Value | Passing::Address => self.declare(ty, &format!("*{name}"))?,
@@ -131,9 +179,9 @@ impl Names<'_> {
     /// A declaration of something of a type.
     pub(super) fn declare(&self, ty: &Type, name: &str) -> Result<String, NotInC> {
         Ok(match ty {
-            Type::Array(inner, length) => self.declare(inner, &format!("{name}[{length}]"))?,
+            Type::Array(inner, length) => self.declare(inner, &format!("{}[{length}]", bracketed(name)))?,
             // One more for the end of the text.
-            Type::Text(Some(most)) => format!("char {name}[{}]", most.saturating_add(1)),
+            Type::Text(Some(most)) => format!("char {}[{}]", bracketed(name), most.saturating_add(1)),
             Type::Text(None) => format!("char *{name}"),
             Type::Named(id) if matches!(self.def(*id).map(|d| &d.kind), Some(TypeDefKind::Native)) => {
                 format!("{} *{name}", self.base(ty)?)
@@ -183,7 +231,7 @@ impl Names<'_> {
                 Basic::UnsignedLongLong => "uint64_t",
                 Basic::Float => "float",
                 Basic::Double => "double",
-                Basic::Char => "char",
+                Basic::Char => "int8_t",
                 Basic::WideChar => "int32_t",
                 Basic::Octet => "uint8_t",
                 Basic::Any => return Err(NotInC("a value of the type `any` cannot be given to C codels".to_owned())),
@@ -193,10 +241,10 @@ impl Names<'_> {
             Type::Text(None) => "char *".to_owned(),
             Type::Named(id) => self.def(*id).map(|d| d.path.join("_")).unwrap_or_default(),
             Type::Sequence(inner, most) => {
-                let most = most.map(|m| format!("{m}_")).unwrap_or_default();
-                format!("genom_sequence_{most}{}", self.key(inner)?)
+                let most = most.map(|m| m.to_string()).unwrap_or_default();
+                format!("sequence{most}_{}", self.key(inner)?)
             }
-            Type::Optional(inner) => format!("genom_optional_{}", self.key(inner)?),
+            Type::Optional(inner) => format!("optional_{}", self.key(inner)?),
             Type::Array(..) | Type::Text(Some(_)) => {
                 return Err(NotInC(
                     "an array stands where C needs a name for its type: give it one by `typedef`".to_owned(),
@@ -205,15 +253,50 @@ impl Names<'_> {
         })
     }
 
-    /// A type as a part of a name.
+    /// A type as a part of a name: `sequence8_unsigned_long`, `optional_string128`, as GenoM3 has them.
     fn key(&self, ty: &Type) -> Result<String, NotInC> {
         Ok(match ty {
+            Type::Basic(basic) => match basic {
+                Basic::Boolean => "boolean",
+                Basic::Short => "short",
+                Basic::UnsignedShort => "unsigned_short",
+                Basic::Long => "long",
+                Basic::UnsignedLong => "unsigned_long",
+                Basic::LongLong => "long_long",
+                Basic::UnsignedLongLong => "unsigned_long_long",
+                Basic::Float => "float",
+                Basic::Double => "double",
+                Basic::Char => "char",
+                Basic::WideChar => "wchar",
+                Basic::Octet => "octet",
+                Basic::Any => return self.base(ty),
+            }
+            .to_owned(),
+            Type::Fixed(_) => "fixed".to_owned(),
             Type::Text(None) => "string".to_owned(),
             Type::Text(Some(most)) => format!("string{most}"),
             Type::Array(inner, length) => format!("array{length}_{}", self.key(inner)?),
-            _ => self.base(ty)?.replace([' ', '*'], ""),
+            Type::Named(_) | Type::Sequence(..) | Type::Optional(_) => self.base(ty)?,
         })
     }
+}
+
+/// A pointer to an array, not an array of pointers.
+fn bracketed(name: &str) -> String {
+    if name.starts_with('*') { format!("({name})") } else { name.to_owned() }
+}
+
+/// A text as C writes it.
+fn quoted(text: &str) -> String {
+    let inside: String = text
+        .bytes()
+        .map(|byte| match byte {
+            b'"' | b'\\' => format!("\\{}", char::from(byte)),
+            b' '..=b'~' => char::from(byte).to_string(),
+            _ => format!("\\{byte:03o}"),
+        })
+        .collect();
+    format!("\"{inside}\"")
 }
 
 fn forward(what: &str, def: &TypeDef) -> String {
@@ -253,10 +336,9 @@ impl Writer<'_, '_> {
                 self.out += &format!("struct {name} {{\n  {on};\n  union {{\n{body}  }} _u;\n}};\n");
             }
             TypeDefKind::Enum(values) => {
-                let scope = def.path.split_last().map_or(&[][..], |(_, scope)| scope);
-                let prefix: String = scope.iter().map(|s| format!("{s}_")).collect();
+                let prefix = self.names.enumerators(&Type::Named(id));
                 let values: Vec<String> = values.iter().map(|v| format!("{prefix}{v}")).collect();
-                self.out += &format!("typedef enum {name} {{ {} }} {name};\n", values.join(", "));
+                self.out += &format!("typedef uint32_t {name};\nenum {{ {} }};\n", values.join(", "));
             }
             TypeDefKind::Alias(inner) => {
                 self.need(inner, depth)?;
@@ -264,6 +346,22 @@ impl Writer<'_, '_> {
                 self.out += &format!("typedef {declared};\n");
             }
             TypeDefKind::Exception(_) | TypeDefKind::Native | TypeDefKind::Forward => {}
+        }
+        Ok(())
+    }
+
+    /// Types without a name that stand nowhere but in ports, parameters and local data.
+    fn nameless(&mut self, component: &Component) -> Result<(), NotInC> {
+        for port in &component.ports {
+            self.need(&port.ty, 0)?;
+        }
+        for service in &component.services {
+            for ty in service.parameters.iter().filter_map(|p| p.ty.as_ref()) {
+                self.need(ty, 0)?;
+            }
+            for local in &service.locals {
+                self.need(&local.ty, 0)?;
+            }
         }
         Ok(())
     }
@@ -295,11 +393,9 @@ impl Writer<'_, '_> {
                 if self.anonymous.insert(name.clone()) {
                     let buffer = match most {
                         Some(most) => self.names.declare(inner, &format!("_buffer[{most}]"))?,
-                        None => self.names.declare(inner, "*_buffer")?,
+                        None => self.names.declare(inner, "*_buffer")? + "; void (*_release)(void *_buffer)",
                     };
-                    self.out += &format!(
-                        "typedef struct {name} {{ uint32_t _maximum; uint32_t _length; {buffer}; }} {name};\n"
-                    );
+                    self.out += &format!("typedef struct {name} {{ uint32_t _maximum, _length; {buffer}; }} {name};\n");
                 }
                 Ok(())
             }
