@@ -1,7 +1,8 @@
 //! What a program that has the monitor in it sees: members, properties, texts, and what is said of them at the top of the file.
 
-use crate::arrays::Array;
 use crate::code::Ty;
+use crate::objects::Object;
+use crate::wholes::Whole;
 
 /// What a generated monitor takes and says.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,8 +15,10 @@ pub struct Interface {
     pub properties: Vec<Property>,
     /// The members of what comes with a step.
     pub members: Vec<Member>,
-    /// The arrays: the members that are asked of one are set by a function that takes it.
-    pub arrays: Vec<Array>,
+    /// The arrays and texts: the members that are asked of one are set by a function that takes it.
+    pub wholes: Vec<Whole>,
+    /// The objects of a simulator's ground truth, with the functions that take them.
+    pub objects: Vec<Object>,
     /// The texts that inputs are compared with; the code of each is its place here plus one.
     pub texts: Vec<Text>,
     /// How much of anything is queued whose number the specification does not bound.
@@ -83,6 +86,12 @@ pub enum From {
     EventField(usize, usize),
     /// That a message of a topic came.
     Topic(usize),
+    /// That the pose of an object came.
+    Pose(usize),
+    /// That the velocities of an object came.
+    Twist(usize),
+    /// A number of an object's pose or velocities: the object, and which of [`lapwing_check::checked::Part`].
+    Part(usize, usize),
 }
 
 impl Member {

@@ -1,7 +1,7 @@
 //! C99: a header and a source file, on freestanding headers alone, and `math.h` where a formula has roots or trigonometry.
 
 use super::prelude::{Spelling, spelling};
-use super::{Syntax, Writer, arrays, helpers, without_trigraphs};
+use super::{Syntax, Writer, helpers, objects, wholes, without_trigraphs};
 use crate::Interface;
 use crate::code::{Expr, Function, Helper, Ty, Unit};
 use crate::interface::{CAUSES, VERDICTS};
@@ -186,7 +186,8 @@ fn inputs(w: &mut Writer<'_, C>, interface: &Interface) {
         }
     });
     w.line(&format!("}} {}_inputs;", interface.prefix));
-    arrays::c_header(w, interface);
+    wholes::c_header(w, interface);
+    objects::c_header(w, interface);
 }
 
 fn words(w: &mut Writer<'_, C>, doc: &str, name: &str, all: &[(&str, &str)]) {
@@ -268,7 +269,8 @@ fn source(unit: &Unit, interface: &Interface) -> String {
     for helper in &helpers {
         w.lines(&spelling(*helper).c_text.replace("NAME", prefix));
     }
-    arrays::c_source(&mut w, interface);
+    wholes::c_source(&mut w, interface);
+    objects::c_source(&mut w, interface);
     for function in &unit.functions {
         let public = PUBLIC.contains(&function.name.as_str());
         let signature = w.syntax.signature(function);

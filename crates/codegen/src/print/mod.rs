@@ -1,9 +1,10 @@
 //! From the intermediate form to text. What the languages share stands here; what they spell differently is a [`Syntax`].
 
-mod arrays;
 mod c;
+mod objects;
 mod prelude;
 mod rust;
+mod wholes;
 
 pub(crate) use c::{c, needs_math};
 pub(crate) use rust::{needs_libm, rust};
@@ -269,7 +270,7 @@ fn sign(op: Bin) -> &'static str {
 /// The functions of the prelude that are called, those included that they call.
 fn helpers(unit: &Unit, interface: &Interface) -> BTreeSet<Helper> {
     let mut found = BTreeSet::new();
-    arrays::expressions(unit, interface, &mut |e| {
+    wholes::expressions(unit, interface, &mut |e| {
         below(e, &mut |e| {
             if let Expr::Call(helper, _) = e {
                 found.insert(*helper);

@@ -1,7 +1,7 @@
 //! Rust: a module for `no_std` crates, without `unsafe` and without dependencies, but for `libm` where a formula has trigonometry.
 
 use super::prelude::spelling;
-use super::{Syntax, Writer, arrays, helpers};
+use super::{Syntax, Writer, helpers, objects, wholes};
 use crate::Interface;
 use crate::code::{Expr, Function, Helper, Ty, Unit};
 use crate::interface::{CAUSES, VERDICTS};
@@ -126,6 +126,7 @@ pub(crate) fn rust(unit: &Unit, interface: &Interface) -> String {
     for helper in helpers(unit, interface) {
         w.lines(spelling(helper).rust_text);
     }
+    wholes::rust_code(&mut w, interface);
     w.text
 }
 
@@ -159,7 +160,24 @@ fn inputs(w: &mut Writer<'_, Rust>, interface: &Interface) {
     });
     w.line("}");
     w.line("");
-    arrays::rust(w, interface);
+    setters(w, interface);
+}
+
+/// Functions that take what is no number, and work out what the specification asks of it.
+fn setters(w: &mut Writer<'_, Rust>, interface: &Interface) {
+    if interface.asked().next().is_none() && interface.objects.is_empty() {
+        return;
+    }
+    w.line("impl Inputs {");
+    w.inside(|w| {
+        wholes::rust(w, interface);
+        if interface.asked().next().is_some() && !interface.objects.is_empty() {
+            w.line("");
+        }
+        objects::rust(w, interface);
+    });
+    w.line("}");
+    w.line("");
 }
 
 /// Names are the specification's, in whatever case.

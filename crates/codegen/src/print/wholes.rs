@@ -1,0 +1,313 @@
+//! Functions that take an array or a text and work out what is asked of it.
+
+use crate::Interface;
+use crate::code::{Expr, Unit};
+use crate::interface::Member;
+use crate::wholes::{Shape, What, Whole};
+
+use super::c::C;
+use super::rust::Rust;
+use super::{Syntax, Writer};
+
+impl Interface {
+    /// The arrays and texts that something is asked of, each with its parts and the members that these become.
+    pub(crate) fn asked(&self) -> impl Iterator<Item = (&Whole, Vec<(&Member, &What)>)> {
+        self.wholes.iter().filter_map(move |whole| {
+            let member = |part: &'_ crate::wholes::Part| self.members.iter().find(|m| m.from == part.from);
+            let parts: Vec<_> = whole.parts.iter().filter_map(|p| Some((member(p)?, &p.what))).collect();
+            (!parts.is_empty()).then_some((whole, parts))
+        })
+    }
+
+    /// What is said of elements of arrays.
+    pub(crate) fn bodies(&self) -> impl Iterator<Item = &Expr> {
+        self.wholes.iter().flat_map(|whole| &whole.parts).filter_map(|part| part.what.body())
+    }
+
+    /// Whether a function asks that of what it takes.
+    fn asks(&self, is: impl Fn(&What) -> bool) -> bool {
+        self.asked().any(|(_, parts)| parts.iter().any(|(_, what)| is(what)))
+    }
+}
+
+fn doc(whole: &Whole) -> String {
+    let label = &whole.label;
+    match whole.shape {
+        Shape::Numbers => {
+            format!("The array `{label}` came: works out what is asked of it, and keeps no more of it than that.")
+        }
+        Shape::Text => format!("The text `{label}` came: works out what is asked of it, and does not keep it."),
+        Shape::Table(_) => {
+            format!(
+                "The array `{label}` came, or the names of its elements: finds those that are asked for by name. Wants the latest of both."
+            )
+        }
+    }
+}
+
+/// As methods of what comes with a step.
+pub(super) fn rust(w: &mut Writer<'_, Rust>, interface: &Interface) {
+    for (number, (whole, parts)) in interface.asked().enumerate() {
+        if number > 0 {
+            w.line("");
+        }
+        w.comment("///", &doc(whole));
+        let params = match whole.shape {
+            Shape::Numbers => "of: &[f64]",
+            Shape::Text => "text: &str",
+            Shape::Table(_) => "names: &[&str], of: &[f64]",
+        };
+        w.line(&format!("pub fn {}(&mut self, {params}) {{", whole.setter));
+        w.inside(|w| parts.iter().for_each(|(member, what)| rust_part(w, member, what)));
+        w.line("}");
+    }
+}
+
+fn rust_part(w: &mut Writer<'_, Rust>, member: &Member, what: &What) {
+    let name = &member.name;
+    let of_all = |sign: &str| {
+        format!("of.iter().fold(f64::NAN, |best, &x| if x.is_nan() || x {sign} best {{ best }} else {{ x }})")
+    };
+    let value = match what {
+        What::Length => "of.len() as f64".to_owned(),
+        What::Least => of_all(">="),
+        What::Greatest => of_all("<="),
+        What::Element(n) => format!("of.get({n}).copied().unwrap_or(f64::NAN)"),
+        What::Any(body) => format!("of.iter().any(|&x| !x.is_nan() && {})", w.operand(body, None)),
+        What::Beside(name) => {
+            format!(
+                "names.iter().position(|&name| name == {name:?}).and_then(|i| of.get(i)).copied().unwrap_or(f64::NAN)"
+            )
+        }
+        What::Code => "code(text)".to_owned(),
+        What::StartsWith(other) => format!("text.starts_with({other:?})"),
+        What::EndsWith(other) => format!("text.ends_with({other:?})"),
+        What::Contains(other) => format!("text.contains({other:?})"),
+    };
+    w.line(&format!("self.{name} = {value};"));
+    if let Some(has) = &member.has {
+        w.line(&format!("self.{has} = true;"));
+    }
+}
+
+/// The function that gives the code of a text, where one is called.
+pub(super) fn rust_code(w: &mut Writer<'_, Rust>, interface: &Interface) {
+    if !interface.asks(|what| *what == What::Code) {
+        return;
+    }
+    w.line("");
+    w.line("/// The code of a text.");
+    w.line("fn code(text: &str) -> u32 {");
+    w.inside(|w| {
+        w.line("match text {");
+        w.inside(|w| {
+            interface.texts.iter().for_each(|text| w.line(&format!("{:?} => {},", text.text, text.name)));
+            w.line("_ => 0,");
+        });
+        w.line("}");
+    });
+    w.line("}");
+}
+
+/// As functions on what comes with a step: their declarations for the header.
+pub(super) fn c_header(w: &mut Writer<'_, C>, interface: &Interface) {
+    for (whole, _) in interface.asked() {
+        w.line("");
+        w.comment("//", &doc(whole));
+        let line = format!("{};", c_signature(w, whole));
+        w.line(&line);
+    }
+}
+
+/// See [`c_header`]: the functions.
+pub(super) fn c_source(w: &mut Writer<'_, C>, interface: &Interface) {
+    c_helpers(w, interface);
+    for (whole, parts) in interface.asked() {
+        w.line("");
+        let line = format!("{} {{", c_signature(w, whole));
+        w.line(&line);
+        w.inside(|w| {
+            let all = |is: fn(&What) -> bool| parts.iter().all(|(_, what)| is(what));
+            if all(|what| *what == What::Length) {
+                w.line("(void)of;");
+            }
+            if all(|what| looked_for(what).is_some_and(str::is_empty)) {
+                w.line("(void)text;");
+                w.line("(void)length;");
+            }
+            parts.iter().for_each(|(member, what)| c_part(w, member, what));
+        });
+        w.line("}");
+    }
+}
+
+/// The text that another is looked through for.
+fn looked_for(what: &What) -> Option<&str> {
+    match what {
+        What::StartsWith(other) | What::EndsWith(other) | What::Contains(other) => Some(other),
+        _ => None,
+    }
+}
+
+fn c_signature(w: &Writer<'_, C>, whole: &Whole) -> String {
+    let prefix = &w.syntax.prefix;
+    let params = match whole.shape {
+        Shape::Numbers => "const double *of, uint32_t count",
+        Shape::Text => "const char *text, uint32_t length",
+        Shape::Table(_) => "const char *const *names, uint32_t name_count, const double *of, uint32_t count",
+    };
+    format!("void {prefix}_{}({prefix}_inputs *in, {params})", whole.setter)
+}
+
+fn c_part(w: &mut Writer<'_, C>, member: &Member, what: &What) {
+    let (to, nan, prefix) = (format!("in->{}", member.name), w.syntax.float(f64::NAN), w.syntax.prefix.clone());
+    let first = match what {
+        What::Length => "(double)count".to_owned(),
+        What::Element(n) => format!("count > {n} ? of[{n}] : {nan}"),
+        What::Least | What::Greatest | What::Beside(_) => nan,
+        What::Any(_) => "false".to_owned(),
+        What::Code => format!("{prefix}_code_of(text, length)"),
+        What::StartsWith(other) => found(&prefix, other, "text", ">="),
+        What::EndsWith(other) => found(&prefix, other, &format!("text + (length - {})", other.len()), ">="),
+        What::Contains(other) if other.is_empty() => "true".to_owned(),
+        What::Contains(other) => format!("{prefix}_contains(text, length, {}, {})", c_text(other), other.len()),
+    };
+    w.line(&format!("{to} = {first};"));
+    match what {
+        What::Least => each(w, &format!("x == x && !(x >= {to})"), &format!("{to} = x;")),
+        What::Greatest => each(w, &format!("x == x && !(x <= {to})"), &format!("{to} = x;")),
+        What::Any(body) => each(w, &format!("x == x && {}", w.operand(body, None)), &format!("{to} = true;")),
+        What::Beside(name) => beside(w, &to, name),
+        _ => {}
+    }
+    if let Some(has) = &member.has {
+        w.line(&format!("in->{has} = true;"));
+    }
+}
+
+/// Whether a text is found at a place of another, if that is long enough.
+fn found(prefix: &str, text: &str, at: &str, long_enough: &str) -> String {
+    match text.len() {
+        0 if long_enough == ">=" => "true".to_owned(),
+        0 => "length == 0".to_owned(),
+        len => format!("length {long_enough} {len} && {prefix}_same({at}, {}, {len})", c_text(text)),
+    }
+}
+
+/// What is done for the elements of which something is true.
+fn each(w: &mut Writer<'_, C>, condition: &str, then: &str) {
+    w.line("for (uint32_t i = 0; i < count; i++) {");
+    w.inside(|w| {
+        w.line("const double x = of[i];");
+        w.line(&format!("if ({condition}) {{"));
+        w.inside(|w| w.line(then));
+        w.line("}");
+    });
+    w.line("}");
+}
+
+/// The element beside the first name that is this.
+fn beside(w: &mut Writer<'_, C>, to: &str, name: &str) {
+    let (prefix, len) = (w.syntax.prefix.clone(), name.len());
+    w.line("for (uint32_t i = 0; i < name_count; i++) {");
+    w.inside(|w| {
+        w.line(&format!("if ({prefix}_names(names[i], {}, {len})) {{", c_text(name)));
+        w.inside(|w| {
+            w.line("if (i < count) {");
+            w.inside(|w| w.line(&format!("{to} = of[i];")));
+            w.line("}");
+            w.line("break;");
+        });
+        w.line("}");
+    });
+    w.line("}");
+}
+
+fn c_helpers(w: &mut Writer<'_, C>, interface: &Interface) {
+    let (asks_code, contains) = (interface.asks(|w| *w == What::Code), |what: &What| matches!(what, What::Contains(_)));
+    let is_found = |what: &What| looked_for(what).is_some_and(|other| !other.is_empty());
+    let prefix = w.syntax.prefix.clone();
+    let has_texts = interface.texts.iter().any(|text| !text.text.is_empty());
+    if interface.asks(is_found) || (asks_code && has_texts) {
+        w.lines(&C_SAME.replace("NAME", &prefix));
+    }
+    if interface.asks(|what| contains(what) && is_found(what)) {
+        w.lines(&C_CONTAINS.replace("NAME", &prefix));
+    }
+    if interface.asks(|what| matches!(what, What::Beside(_))) {
+        w.lines(&C_NAMES.replace("NAME", &prefix));
+    }
+    if !asks_code {
+        return;
+    }
+    w.line("");
+    w.line("/* The code of a text. */");
+    w.line(&format!("static uint32_t {prefix}_code_of(const char *text, uint32_t length) {{"));
+    w.inside(|w| {
+        if !has_texts {
+            w.line("(void)text;");
+        }
+        if interface.texts.is_empty() {
+            w.line("(void)length;");
+        }
+        for text in &interface.texts {
+            w.line(&format!("if ({}) {{", found(&prefix, &text.text, "text", "==")));
+            w.inside(|w| w.line(&format!("return {}_{};", prefix.to_uppercase(), text.name)));
+            w.line("}");
+        }
+        w.line("return 0;");
+    });
+    w.line("}");
+}
+
+/// A text between quotes; what is not plain in its bytes.
+fn c_text(text: &str) -> String {
+    let escaped = text.bytes().map(|byte| match byte {
+        b'"' | b'\\' | b'?' => format!("\\{}", char::from(byte)),
+        b' '..=b'~' => char::from(byte).to_string(),
+        byte => format!("\\{byte:03o}"),
+    });
+    format!("\"{}\"", escaped.collect::<String>())
+}
+
+const C_SAME: &str = "
+/* Whether two texts begin with the same bytes. */
+static bool NAME_same(const char *a, const char *b, uint32_t length) {
+    for (uint32_t i = 0; i < length; i++) {
+        if (a[i] != b[i]) {
+            return false;
+        }
+    }
+    return true;
+}
+";
+
+const C_CONTAINS: &str = "
+/* Whether a text stands somewhere in another. */
+static bool NAME_contains(const char *text, uint32_t length, const char *part, uint32_t part_length) {
+    for (uint32_t i = 0; i + part_length <= length; i++) {
+        if (NAME_same(text + i, part, part_length)) {
+            return true;
+        }
+    }
+    return false;
+}
+";
+
+const C_NAMES: &str = "
+/* Whether a text that ends with a zero is another. */
+static bool NAME_names(const char *text, const char *other, uint32_t length) {
+    for (uint32_t i = 0; i < length; i++) {
+        if (text[i] != other[i] || text[i] == 0) {
+            return false;
+        }
+    }
+    return text[length] == 0;
+}
+";
+
+/// Shows what functions that take arrays compute, so that they get what they call.
+pub(super) fn expressions<'e>(unit: &'e Unit, interface: &'e Interface, see: &mut impl FnMut(&Expr)) {
+    unit.functions.iter().for_each(|f| crate::prune::reads(&f.body, &mut *see));
+    interface.bodies().for_each(see);
+}
