@@ -60,3 +60,40 @@ fn operator(op: checked::Compare) -> Compare {
         checked::Compare::Ge => Compare::Ge,
     }
 }
+
+/// What is said of any element, or of all, where it compares them with one value: the least or the greatest element tells.
+pub(crate) fn by_extreme(is_all: bool, array: &checked::Expr, body: &checked::Expr) -> Option<Kind> {
+    let Kind::Compare { op, margin, left, right } = &body.kind else { return None };
+    if !margin.as_ref().is_none_or(|m| matches!(m.kind, Kind::Num(m) if m.is_finite())) {
+        return None;
+    }
+    let is_left = left.kind == Kind::Var(0);
+    let other = if is_left { right } else { left };
+    if (!is_left && right.kind != Kind::Var(0)) || has_variable(other) {
+        return None;
+    }
+    let is_below = match op {
+        checked::Compare::Lt | checked::Compare::Le => is_left,
+        checked::Compare::Gt | checked::Compare::Ge => !is_left,
+        checked::Compare::Eq | checked::Compare::Ne => return None,
+    };
+    let func = if is_below == is_all { Func::MaxOf } else { Func::MinOf };
+    let number = Type::Num { float: true };
+    let extreme =
+        checked::Expr { kind: Kind::Call(func, vec![array.clone()]), ty: number, dim: other.dim, span: array.span };
+    let mut tells = body.clone();
+    if let Kind::Compare { left, right, .. } = &mut tells.kind {
+        **(if is_left { left } else { right }) = extreme.clone();
+    }
+    if !is_all {
+        return Some(tells.kind);
+    }
+    // All of no elements are anything.
+    let mut is_empty = body.clone();
+    is_empty.kind = Kind::Call(Func::IsNan, vec![extreme]);
+    Some(Kind::Connective(Connective::Or, Box::new(is_empty), Box::new(tells)))
+}
+
+fn has_variable(e: &checked::Expr) -> bool {
+    matches!(e.kind, Kind::Var(_)) || e.children().into_iter().any(has_variable)
+}

@@ -24,7 +24,7 @@ impl Writer<'_> {
         for (&from, member) in &self.scene.members {
             let unit = &mut self.unit;
             match from {
-                From::Input(slot) => self.signal(slot, member.ty(), &member.doc),
+                From::Input(slot) => self.signal(slot, member.ty, &member.doc),
                 From::Event(event) => {
                     unit.field(&self.scene.event_field(event), Ty::Bool, false.into(), &member.doc);
                 }
@@ -35,7 +35,7 @@ impl Writer<'_> {
                         Kind::Number => Expr::Float(0.0),
                         Kind::Text => Expr::Int(0),
                     };
-                    unit.field(&name, member.ty(), initial, &member.doc);
+                    unit.field(&name, member.ty, initial, &member.doc);
                     unit.field(&format!("{name}_there"), Ty::Bool, false.into(), "Whether it has that field.");
                 }
                 From::Topic(topic) => {

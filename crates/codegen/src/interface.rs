@@ -2,6 +2,7 @@
 
 use crate::code::Ty;
 use crate::objects::Object;
+use crate::texts::Codes;
 use crate::wholes::Whole;
 
 /// What a generated monitor takes and says.
@@ -19,8 +20,10 @@ pub struct Interface {
     pub wholes: Vec<Whole>,
     /// The objects of a simulator's ground truth, with the functions that take them.
     pub objects: Vec<Object>,
-    /// The texts that inputs are compared with; the code of each is its place here plus one.
+    /// The texts that inputs are compared with.
     pub texts: Vec<Text>,
+    /// How texts become numbers.
+    pub codes: Codes,
     /// How much of anything is queued whose number the specification does not bound.
     pub capacity: usize,
     /// Whether the Rust calls the crate `libm`, and the C the mathematical library.
@@ -47,6 +50,8 @@ pub struct Text {
     pub text: String,
     /// The name of its code.
     pub name: String,
+    /// Its code.
+    pub code: i64,
 }
 
 /// A member of what comes with a step.
@@ -62,6 +67,8 @@ pub struct Member {
     pub from: From,
     /// What it is, for the reader of the file.
     pub doc: String,
+    /// Its type.
+    pub(crate) ty: Ty,
 }
 
 /// What a member carries.
@@ -94,12 +101,13 @@ pub enum From {
     Part(usize, usize),
 }
 
-impl Member {
-    pub(crate) fn ty(&self) -> Ty {
-        match self.kind {
+impl Kind {
+    /// The type of its values.
+    pub(crate) fn ty(self, codes: Codes) -> Ty {
+        match self {
             Kind::Truth => Ty::Bool,
             Kind::Number => Ty::F64,
-            Kind::Text => Ty::U32,
+            Kind::Text => codes.ty(),
         }
     }
 }

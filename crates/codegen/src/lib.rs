@@ -35,6 +35,7 @@ mod past;
 mod positions;
 mod ring;
 mod segments;
+mod texts;
 mod value;
 
 mod automaton;
@@ -55,6 +56,7 @@ mod print;
 
 pub use interface::{From, Interface, Kind, Member, Property, Text};
 pub use objects::{Object, Setter, Vector};
+pub use texts::Codes;
 pub use wholes::{Shape, Whole};
 
 use lapwing_check::checked::{Body, Spec};
@@ -186,8 +188,8 @@ fn clashes(spec: &Spec, scene: &Scene<'_>) -> Result<(), Vec<Diagnostic>> {
     if has_odd_comparisons(scene.program, &scene.kinds) {
         found.push(refusal(
             place,
-            "values of two kinds are compared, or two texts that only a trace knows",
-            "compare with a number, or with a text in quotes",
+            "values of two kinds are compared",
+            "compare numbers with numbers, and texts with texts: a signal's declaration says which it is",
         ));
     }
     if found.is_empty() { Ok(()) } else { Err(found) }
@@ -240,6 +242,7 @@ fn interface(
         properties: scene.spec.properties.iter().map(property).collect(),
         members: scene.members.values().cloned().collect(),
         texts: scene.texts.clone(),
+        codes: scene.codes,
         capacity: room(options),
         needs_libm: (any(print::needs_libm), any(print::needs_math)),
     }

@@ -10,6 +10,7 @@ use crate::code::{Expr, field};
 use crate::interface::{From, Kind, Member, Names, Text, identifier};
 use crate::kinds::{Kinds, each_positions};
 use crate::objects::{handed, part_name, part_of};
+use crate::texts::Codes;
 
 /// What is read of the world, and under which names.
 pub(crate) struct Scene<'a> {
@@ -19,6 +20,7 @@ pub(crate) struct Scene<'a> {
     /// What comes from outside, with the names of its members.
     pub members: BTreeMap<From, Member>,
     pub texts: Vec<Text>,
+    pub codes: Codes,
     /// What is read of the ground truth: the names of the fields that hold it.
     parts: BTreeMap<usize, String>,
     /// The machines that something reads or judges.
@@ -30,7 +32,8 @@ impl<'a> Scene<'a> {
         let kinds = Kinds::of(spec, program);
         let used = Used::of(program);
         let (members, parts) = (BTreeMap::new(), BTreeMap::new());
-        let mut scene = Scene { spec, program, kinds, members, texts: Vec::new(), parts, machines: used.machines };
+        let (texts, codes) = (Vec::new(), Codes::of(program, &kinds));
+        let mut scene = Scene { spec, program, kinds, members, texts, codes, parts, machines: used.machines };
         let mut names = Names::default();
         let slots = used.froms.iter().filter_map(|from| match *from {
             From::Input(slot) => Some(slot),
@@ -50,7 +53,8 @@ impl<'a> Scene<'a> {
         let mut taken = Names::default();
         for text in used.texts {
             let name = taken.give(&format!("TEXT_{}", identifier(&text).to_uppercase()));
-            scene.texts.push(Text { text, name });
+            let code = codes.code(scene.texts.len(), &text);
+            scene.texts.push(Text { text, name, code });
         }
         scene
     }
@@ -98,7 +102,7 @@ impl<'a> Scene<'a> {
             _ if is_value => self.kinds.get(from),
             _ => Kind::Truth,
         };
-        self.members.insert(from, Member { name, has, kind, from, doc });
+        self.members.insert(from, Member { name, has, kind, from, doc, ty: kind.ty(self.codes) });
     }
 
     fn name(&self, from: From) -> &str {
@@ -161,9 +165,9 @@ impl<'a> Scene<'a> {
         format!("t_{}", self.name(From::Topic(topic)))
     }
 
-    /// The code of a text; 0 for one that nothing is compared with.
+    /// The code of a text that is written down.
     pub fn text(&self, text: &str) -> i64 {
-        self.texts.iter().position(|t| t.text == text).map_or(0, |i| i as i64 + 1)
+        self.texts.iter().find(|t| t.text == text).map_or(0, |t| t.code)
     }
 
     /// The number by which a machine's state is stored.
@@ -308,15 +312,13 @@ pub(crate) fn updated_slots(at: &Positions) -> Vec<usize> {
     slots
 }
 
-/// Comparisons that cannot be written without texts: of two texts of which neither is written down, of values of two kinds.
+/// Comparisons of values of two kinds.
 pub(crate) fn has_odd_comparisons(program: &Program, kinds: &Kinds) -> bool {
     let mut found = false;
     each_positions(program, |at| {
         for node in &at.nodes {
             if let Node::CompareAny { left, right, .. } = node {
-                let is_literal = |n: &u32| matches!(at.nodes[*n as usize], Node::Str(_));
-                let (l, r) = (kinds.settled(at, *left), kinds.settled(at, *right));
-                found |= l != r || (l == Kind::Text && !is_literal(left) && !is_literal(right));
+                found |= kinds.settled(at, *left) != kinds.settled(at, *right);
             }
         }
     });

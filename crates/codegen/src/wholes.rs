@@ -8,7 +8,7 @@ use lapwing_check::checked::{self, Body, Event, EventField, Func, Input, Kind, R
 use lapwing_stream::{Type, Value};
 
 use crate::code::Expr;
-use crate::elements::of_element;
+use crate::elements::{by_extreme, of_element};
 use crate::interface::{self, From, Names, identifier};
 use crate::scene::Scene;
 
@@ -160,6 +160,12 @@ impl Unfolding<'_> {
             _ => (self.asked(e), false),
         };
         let Some(asked) = asked else {
+            if let Kind::Quantified { all, array, body } = &e.kind
+                && source(array).is_some_and(|(from, _)| self.is_array(from))
+                && let Some(kind) = by_extreme(*all, array, body)
+            {
+                e.kind = kind;
+            }
             e.children_mut().into_iter().for_each(|c| self.expression(c));
             return;
         };

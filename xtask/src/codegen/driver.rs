@@ -24,7 +24,8 @@ fn rust_runner(number: usize, monitor: &Generated) -> String {
             let value = match member.kind {
                 Kind::Truth => "value != 0.0",
                 Kind::Number => "value",
-                Kind::Text => "value as u32",
+                // Texts are handed to functions.
+                Kind::Text => return String::new(),
             };
             let has = member.has.as_ref().map(|has| format!(" inputs.{has} = true;")).unwrap_or_default();
             format!("            {i} => {{ inputs.{} = {value};{has} }}\n", member.name)
@@ -180,7 +181,7 @@ fn c_runner(number: usize, monitor: &Generated) -> String {
             let value = match member.kind {
                 Kind::Truth => "value != 0.0",
                 Kind::Number => "value",
-                Kind::Text => "(uint32_t)value",
+                Kind::Text => return String::new(),
             };
             let has = member.has.as_ref().map(|has| format!(" in.{has} = true;")).unwrap_or_default();
             format!("            case {i}: in.{} = {value};{has} break;\n", member.name)

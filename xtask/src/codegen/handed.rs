@@ -123,11 +123,11 @@ const TEXTS: [&str; 8] = ["", "run", "running", "auto run", "\\\"run\\\"", "grö
 
 fn wholes(draw: &mut Draw) -> String {
     let mut text =
-        "decl mode /mode String.data\ndecl ranges /scan LaserScan.ranges\ndecl joints /joints JointState\nevent kick\n"
+        "decl mode /mode String.data\ndecl place /place String.data default \"run\"\ndecl ranges /scan LaserScan.ranges\ndecl joints /joints JointState\nevent kick\n"
             .to_owned();
     for name in ["a", "b", "c", "d", "e"] {
         let (word, limit) = (draw.one(&TEXTS), draw.number());
-        let asked = match draw.below(14) {
+        let asked = match draw.below(20) {
             0 => format!("starts_with(mode, \"{word}\")"),
             1 => format!("ends_with(mode, \"{word}\")"),
             2 => format!("contains(mode, \"{word}\")"),
@@ -141,6 +141,11 @@ fn wholes(draw: &mut Draw) -> String {
             10 => format!("contains(kick.by, \"{word}\")"),
             11 => format!("kick.by == \"{word}\""),
             12 => format!("all(ranges, v => v > {limit:.3} or v < -1.5)"),
+            16 => format!("any(ranges, v => v {} joints.position[0])", draw.one(&["<", "<=", ">", ">="])),
+            17 => format!("all(kick.ranges, v => joints.position[0] {} v)", draw.one(&["<", "<=", ">", ">="])),
+            13 => "mode == place".to_owned(),
+            14 => "mode != @{mode, -1}".to_owned(),
+            15 => format!("(kick.by == mode or place == \"{word}\")"),
             _ => format!("len(kick.ranges) + len(ranges) > 2"),
         };
         let _ = match draw.below(4) {
@@ -182,7 +187,10 @@ fn line(theme: Theme, time: f64, draw: &mut Draw) -> String {
 fn whole_line(time: f64, draw: &mut Draw) -> String {
     let word = draw.one(&TEXTS);
     let (topic, ty, message) = match draw.below(4) {
-        0 => ("/mode", "std_msgs/String", format!("{{\"data\": \"{word}\"}}")),
+        0 => {
+            let topic = draw.one(&["/mode", "/mode", "/place"]);
+            (topic, "std_msgs/String", format!("{{\"data\": \"{word}\"}}"))
+        }
         1 => ("/scan", "sensor_msgs/LaserScan", format!("{{\"ranges\": [{}]}}", list(draw))),
         2 => {
             let names: Vec<String> = (0..draw.below(4)).map(|_| format!("\"{}\"", draw.one(&["hip", word]))).collect();

@@ -155,9 +155,12 @@ fn header(unit: &Unit, interface: &Interface) -> String {
         w.line(&format!("#define {upper}_P_{} {number}", property.macro_name));
     }
     if !interface.texts.is_empty() {
-        w.lines("\n/* The texts that inputs are compared with; any other text is 0. */");
-        for (code, text) in interface.texts.iter().enumerate() {
-            w.line(&format!("#define {upper}_{} {}", text.name, code + 1));
+        w.lines(&format!(
+            "\n/* The texts that inputs are compared with; any other text {}. */",
+            interface.other_texts()
+        ));
+        for text in &interface.texts {
+            w.line(&format!("#define {upper}_{} {}", text.name, text.code));
         }
     }
     inputs(&mut w, interface);
@@ -174,7 +177,7 @@ fn inputs(w: &mut Writer<'_, C>, interface: &Interface) {
     w.line("typedef struct {");
     w.inside(|w| {
         for member in &interface.members {
-            let ty = w.syntax.ty(member.ty());
+            let ty = w.syntax.ty(member.ty);
             w.comment("//", &member.doc);
             w.line(&format!("{ty} {};", member.name));
             if let Some(has) = &member.has {

@@ -135,10 +135,11 @@ fn properties(w: &mut Writer<'_, Rust>, interface: &Interface) {
     w.line(&format!("pub const PROPERTIES: [&str; {}] = [", interface.properties.len()));
     w.inside(|w| interface.properties.iter().for_each(|p| w.line(&format!("{:?},", p.name))));
     w.line("];");
-    for (code, text) in interface.texts.iter().enumerate() {
+    let (other, ty) = (interface.other_texts(), Rust.ty(interface.codes.ty()));
+    for text in &interface.texts {
         w.line("");
-        w.comment("///", &format!("The text {:?}, where an input is a text. Any other text is 0.", text.text));
-        w.line(&format!("pub const {}: u32 = {};", text.name, code + 1));
+        w.comment("///", &format!("The text {:?}, where an input is a text. Any other text {other}.", text.text));
+        w.line(&format!("pub const {}: {ty} = {};", text.name, text.code));
     }
     w.line("");
 }
@@ -151,7 +152,7 @@ fn inputs(w: &mut Writer<'_, Rust>, interface: &Interface) {
     w.inside(|w| {
         for member in &interface.members {
             w.comment("///", &member.doc);
-            w.line(&format!("pub {}: {},", member.name, Rust.ty(member.ty())));
+            w.line(&format!("pub {}: {},", member.name, Rust.ty(member.ty)));
             if let Some(has) = &member.has {
                 w.line("/// Whether that came.");
                 w.line(&format!("pub {has}: bool,"));

@@ -3,6 +3,7 @@
 use crate::Interface;
 use crate::code::{Expr, Unit};
 use crate::interface::Member;
+use crate::texts::{Codes, FNV};
 use crate::wholes::{Shape, What, Whole};
 
 use super::c::C;
@@ -10,6 +11,14 @@ use super::rust::Rust;
 use super::{Syntax, Writer};
 
 impl Interface {
+    /// What stands for a text that is not written down, for the reader of the file.
+    pub(crate) fn other_texts(&self) -> &'static str {
+        match self.codes {
+            Codes::Listed => "is 0",
+            Codes::Hashed => "has a number that functions that take texts work out",
+        }
+    }
+
     /// The arrays and texts that something is asked of, each with its parts and the members that these become.
     pub(crate) fn asked(&self) -> impl Iterator<Item = (&Whole, Vec<(&Member, &What)>)> {
         self.wholes.iter().filter_map(move |whole| {
@@ -95,6 +104,10 @@ pub(super) fn rust_code(w: &mut Writer<'_, Rust>, interface: &Interface) {
     if !interface.asks(|what| *what == What::Code) {
         return;
     }
+    if interface.codes == Codes::Hashed {
+        w.lines(&with_fnv(RUST_HASH));
+        return;
+    }
     w.line("");
     w.line("/// The code of a text.");
     w.line("fn code(text: &str) -> u32 {");
@@ -108,6 +121,17 @@ pub(super) fn rust_code(w: &mut Writer<'_, Rust>, interface: &Interface) {
     });
     w.line("}");
 }
+
+fn with_fnv(text: &str) -> String {
+    text.replace("BASIS", &format!("{:#018x}", FNV.0)).replace("PRIME", &format!("{:#x}", FNV.1))
+}
+
+const RUST_HASH: &str = "
+/// The number of a text, which follows from its bytes: FNV-1a (Fowler, Noll, Vo) without its last bit.
+fn code(text: &str) -> u64 {
+    text.bytes().fold(BASIS, |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(PRIME)) >> 1
+}
+";
 
 /// As functions on what comes with a step: their declarations for the header.
 pub(super) fn c_header(w: &mut Writer<'_, C>, interface: &Interface) {
@@ -228,7 +252,8 @@ fn c_helpers(w: &mut Writer<'_, C>, interface: &Interface) {
     let is_found = |what: &What| looked_for(what).is_some_and(|other| !other.is_empty());
     let prefix = w.syntax.prefix.clone();
     let has_texts = interface.texts.iter().any(|text| !text.text.is_empty());
-    if interface.asks(is_found) || (asks_code && has_texts) {
+    let is_listed = asks_code && interface.codes == Codes::Listed;
+    if interface.asks(is_found) || (is_listed && has_texts) {
         w.lines(&C_SAME.replace("NAME", &prefix));
     }
     if interface.asks(|what| contains(what) && is_found(what)) {
@@ -237,9 +262,17 @@ fn c_helpers(w: &mut Writer<'_, C>, interface: &Interface) {
     if interface.asks(|what| matches!(what, What::Beside(_))) {
         w.lines(&C_NAMES.replace("NAME", &prefix));
     }
-    if !asks_code {
-        return;
+    if asks_code && !is_listed {
+        w.lines(&with_fnv(C_HASH).replace("NAME", &prefix));
     }
+    if is_listed {
+        c_codes(w, interface, has_texts);
+    }
+}
+
+/// The function that finds a text among those that are written down.
+fn c_codes(w: &mut Writer<'_, C>, interface: &Interface, has_texts: bool) {
+    let prefix = w.syntax.prefix.clone();
     w.line("");
     w.line("/* The code of a text. */");
     w.line(&format!("static uint32_t {prefix}_code_of(const char *text, uint32_t length) {{"));
@@ -269,6 +302,17 @@ fn c_text(text: &str) -> String {
     });
     format!("\"{}\"", escaped.collect::<String>())
 }
+
+const C_HASH: &str = "
+/* The number of a text, which follows from its bytes: FNV-1a (Fowler, Noll, Vo) without its last bit. */
+static uint64_t NAME_code_of(const char *text, uint32_t length) {
+    uint64_t hash = UINT64_C(BASIS);
+    for (uint32_t i = 0; i < length; i++) {
+        hash = (hash ^ (unsigned char)text[i]) * UINT64_C(PRIME);
+    }
+    return hash >> 1;
+}
+";
 
 const C_SAME: &str = "
 /* Whether two texts begin with the same bytes. */
