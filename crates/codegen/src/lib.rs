@@ -54,6 +54,7 @@ mod verdict;
 
 mod print;
 
+pub use elements::Column;
 pub use interface::{From, Interface, Kind, Member, Property, Text};
 pub use objects::{Object, Setter, Vector};
 pub use texts::Codes;

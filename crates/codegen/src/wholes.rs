@@ -8,7 +8,7 @@ use lapwing_check::checked::{self, Body, Event, EventField, Func, Input, Kind, R
 use lapwing_stream::{Type, Value};
 
 use crate::code::Expr;
-use crate::elements::{by_extreme, of_element};
+use crate::elements::{Column, by_extreme, path_from, said};
 use crate::interface::{self, From, Names, identifier};
 use crate::scene::Scene;
 
@@ -23,6 +23,8 @@ pub struct Whole {
     pub shape: Shape,
     /// The function that takes it; in C the prefix and `_` stand before that.
     pub setter: String,
+    /// Of an array of anything but numbers: what is read of its elements.
+    pub columns: Vec<Column>,
     pub(crate) parts: Vec<Part>,
 }
 
@@ -33,6 +35,8 @@ pub enum Shape {
     Numbers,
     /// A text.
     Text,
+    /// An array of messages, of texts or of truth values: an array for each part of its elements that is read.
+    Columns,
     /// An array of numbers beside one of their names, which comes from there.
     Table(From),
 }
@@ -52,6 +56,8 @@ pub(crate) enum What {
     Least,
     Greatest,
     Element(usize),
+    /// A number in an element.
+    At(usize, Column),
     /// Of an element that is called `x`.
     Any(Expr),
     /// The number beside a name.
@@ -139,7 +145,15 @@ struct Asked {
     from: From,
     shape: Shape,
     what: What,
+    /// What of the elements that reads, where the shape is one of columns.
+    columns: Vec<Column>,
     back: usize,
+}
+
+impl Asked {
+    fn new((from, back): (From, usize), shape: Shape, what: What) -> Asked {
+        Asked { from, shape, what, columns: Vec::new(), back }
+    }
 }
 
 struct Unfolding<'s> {
@@ -154,8 +168,7 @@ impl Unfolding<'_> {
         let (asked, is_all) = match &e.kind {
             // What is true of all is not untrue of any; where there is no array it is true.
             Kind::Quantified { all, array, body } => {
-                let body = of_element(body).map(|body| if *all { !body } else { body });
-                (body.and_then(|body| self.of_array(array, What::Any(body))), *all)
+                (said(body).and_then(|(body, columns)| self.any(array, if *all { !body } else { body }, columns)), *all)
             }
             _ => (self.asked(e), false),
         };
@@ -191,6 +204,7 @@ impl Unfolding<'_> {
             Kind::Call(Func::MinOf, args) => self.of_array(args.first()?, What::Least),
             Kind::Call(Func::MaxOf, args) => self.of_array(args.first()?, What::Greatest),
             Kind::Index(of, n) => self.of_array(of, What::Element(*n)),
+            Kind::Field(..) => self.in_element(e),
             Kind::Call(Func::StartsWith, args) => self.of_text(args, What::StartsWith),
             Kind::Call(Func::EndsWith, args) => self.of_text(args, What::EndsWith),
             Kind::Call(Func::Contains, args) => self.of_text(args, What::Contains),
@@ -200,15 +214,59 @@ impl Unfolding<'_> {
                 let ((names, back), (values, other)) = (source(names)?, source(values)?);
                 let is_table = back == other && self.is_array_of(names, &Type::Str) && self.is_array(values);
                 let (shape, what) = (Shape::Table(names), What::Beside(name.clone()));
-                is_table.then_some(Asked { from: values, shape, what, back })
+                is_table.then(|| Asked::new((values, back), shape, what))
             }
             _ => None,
         }
     }
 
     fn of_array(&self, of: &checked::Expr, what: What) -> Option<Asked> {
-        let (from, back) = source(of)?;
-        self.is_array(from).then_some(Asked { from, shape: Shape::Numbers, what, back })
+        let source = source(of)?;
+        match what {
+            _ if self.is_array(source.0) => Some(Asked::new(source, Shape::Numbers, what)),
+            What::Length if self.has_columns(source.0) => Some(Asked::new(source, Shape::Columns, what)),
+            _ => None,
+        }
+    }
+
+    /// Whether something is true of any element.
+    fn any(&self, of: &checked::Expr, body: Expr, columns: Vec<Column>) -> Option<Asked> {
+        let source = source(of)?;
+        let are_numbers = columns.iter().all(|c| c.path.is_empty() && c.kind == interface::Kind::Number);
+        if are_numbers && self.is_array(source.0) {
+            return Some(Asked::new(source, Shape::Numbers, What::Any(body)));
+        }
+        let asked = Asked { columns, ..Asked::new(source, Shape::Columns, What::Any(body)) };
+        (self.has_columns(source.0) && self.fit(&asked)).then_some(asked)
+    }
+
+    /// A number in an element of an array of messages: `obstacles[0].distance`.
+    fn in_element(&self, e: &checked::Expr) -> Option<Asked> {
+        if !matches!(e.ty, Type::Num { .. } | Type::Any) {
+            return None;
+        }
+        let path = path_from(e, &|kind| matches!(kind, Kind::Index(..)))?;
+        let (source, n) = element(e)?;
+        let column = Column { path, kind: interface::Kind::Number };
+        let asked = Asked { columns: vec![column.clone()], ..Asked::new(source, Shape::Columns, What::At(n, column)) };
+        (self.has_columns(source.0) && self.fit(&asked)).then_some(asked)
+    }
+
+    /// Whether something is an array of which parts of elements can be handed over.
+    fn has_columns(&self, from: From) -> bool {
+        let has_default = matches!(from, From::Input(i) if self.inputs.get(i).is_some_and(|i| i.default.is_some()));
+        let is_array = match self.ty(from) {
+            Some(Type::Array(of)) => matches!(**of, Type::Message(_) | Type::Str | Type::Bool | Type::Any),
+            ty => ty == Some(&Type::Any),
+        };
+        is_array && !has_default
+    }
+
+    /// Whether nothing that is read of the elements is taken for something else elsewhere.
+    fn fit(&self, asked: &Asked) -> bool {
+        let same = |whole: &&Whole| whole.from == asked.from && whole.shape == asked.shape;
+        let mut known = self.wholes.iter().filter(same).flat_map(|whole| &whole.columns);
+        known.all(|known| asked.columns.iter().all(|column| known == column || known.name() != column.name()))
     }
 
     fn of_text(&self, args: &[checked::Expr], what: impl Fn(String) -> What) -> Option<Asked> {
@@ -216,7 +274,7 @@ impl Unfolding<'_> {
         let Kind::Str(other) = &other.kind else { return None };
         let (from, back) = source(of)?;
         let is_text = matches!(self.ty(from)?, Type::Str | Type::Any);
-        is_text.then_some(Asked { from, shape: Shape::Text, what: what(other.clone()), back })
+        is_text.then(|| Asked::new((from, back), Shape::Text, what(other.clone())))
     }
 
     fn ty(&self, from: From) -> Option<&Type> {
@@ -248,6 +306,12 @@ impl Unfolding<'_> {
     /// What stands for something that is asked, made where it is asked for the first time.
     fn part(&mut self, e: &checked::Expr, asked: Asked) -> From {
         let whole = self.whole(asked.from, asked.shape);
+        let known = &mut self.wholes[whole].columns;
+        for column in &asked.columns {
+            if !known.contains(column) {
+                known.push(column.clone());
+            }
+        }
         if let Some(part) = self.wholes[whole].parts.iter().find(|part| part.what == asked.what) {
             return part.from;
         }
@@ -285,7 +349,7 @@ impl Unfolding<'_> {
             _ => String::new(),
         };
         let setter = self.setters.give(&identifier(&format!("set_{label}{names}")));
-        self.wholes.push(Whole { label, from, shape, setter, parts: Vec::new() });
+        self.wholes.push(Whole { label, from, shape, setter, columns: Vec::new(), parts: Vec::new() });
         self.wholes.len() - 1
     }
 }
@@ -296,6 +360,15 @@ fn source(e: &checked::Expr) -> Option<(From, usize)> {
         Kind::Input(i) => Some((From::Input(*i), 0)),
         Kind::EventField { event, field } => Some((From::EventField(*event, *field), 0)),
         Kind::Lookback(of, n) => source(of).map(|(from, back)| (from, back + n)),
+        _ => None,
+    }
+}
+
+/// The array of whose element an expression is a part, and the number of the element.
+fn element(e: &checked::Expr) -> Option<((From, usize), usize)> {
+    match &e.kind {
+        Kind::Field(of, _) => element(of),
+        Kind::Index(of, n) => Some((source(of)?, *n)),
         _ => None,
     }
 }
@@ -314,6 +387,7 @@ impl What {
             What::Least => format!("min({whole})"),
             What::Greatest => format!("max({whole})"),
             What::Element(n) => format!("{whole}[{n}]"),
+            What::At(n, column) => format!("{whole}[{n}].{}", column.path.join(".")),
             What::Any(_) => format!("any({whole})"),
             What::Beside(name) => format!("{whole}[{name:?}]"),
             What::Code => whole.to_owned(),
@@ -327,7 +401,7 @@ impl What {
         match self {
             What::Any(_) | What::StartsWith(_) | What::EndsWith(_) | What::Contains(_) => Type::Bool,
             What::Code => Type::Str,
-            What::Length | What::Least | What::Greatest | What::Element(_) | What::Beside(_) => {
+            What::Length | What::Least | What::Greatest | What::Element(_) | What::At(..) | What::Beside(_) => {
                 Type::Num { float: true }
             }
         }
@@ -365,7 +439,14 @@ pub(crate) fn add_codes(wholes: &mut Vec<Whole>, scene: &Scene<'_>, setters: &mu
                     _ => member.name.clone(),
                 };
                 let setter = setters.give(&identifier(&format!("set_{label}")));
-                wholes.push(Whole { label, from: member.from, shape: Shape::Text, setter, parts: vec![part] });
+                wholes.push(Whole {
+                    label,
+                    from: member.from,
+                    shape: Shape::Text,
+                    setter,
+                    columns: Vec::new(),
+                    parts: vec![part],
+                });
             }
         }
     }

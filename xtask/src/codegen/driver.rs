@@ -1,6 +1,8 @@
 //! Programs that drive generated monitors by the words of `steps`.
 
-use lapwing_codegen::{Generated, Kind, Shape, Vector};
+use std::fmt::Write;
+
+use lapwing_codegen::{Column, Generated, Kind, Shape, Vector};
 
 use super::objects::places;
 use super::wholes::letter;
@@ -34,9 +36,24 @@ fn rust_runner(number: usize, monitor: &Generated) -> String {
     let wholes = monitor.interface.wholes.iter().enumerate();
     let wholes = wholes.map(|(i, whole)| {
         let args = match whole.shape {
-            Shape::Numbers => "&numbers(value)",
-            Shape::Text => "&text(value)",
-            Shape::Table(_) => "&names.iter().map(String::as_str).collect::<Vec<_>>(), &numbers(value)",
+            Shape::Numbers => "&numbers(value)".to_owned(),
+            Shape::Text => "&text(value)".to_owned(),
+            Shape::Columns => {
+                let column = |(k, column): (usize, &Column)| match column.kind {
+                    Kind::Number => format!(", &numbers(columns[{}])", k + 1),
+                    Kind::Truth => {
+                        format!(", &numbers(columns[{}]).iter().map(|x| *x != 0.0).collect::<Vec<_>>()", k + 1)
+                    }
+                    Kind::Text => {
+                        format!(", &texts(columns[{}]).iter().map(String::as_str).collect::<Vec<_>>()", k + 1)
+                    }
+                };
+                let columns: String = whole.columns.iter().enumerate().map(column).collect();
+                format!("columns[0].parse().expect(\"a count\"){columns}")
+            }
+            Shape::Table(_) => {
+                "&texts(columns[0]).iter().map(String::as_str).collect::<Vec<_>>(), &numbers(columns[1])".to_owned()
+            }
         };
         format!("                    \"{}{i}\" => inputs.{}({args}),\n", letter(whole.shape), whole.setter)
     });
@@ -63,7 +80,7 @@ fn runNUMBER<'a>(lines: &mut impl Iterator<Item = &'a str>) {
         let mut inputs = mNUMBER::Inputs::default();
         for (member, value) in words.filter_map(|w| w.split_once('=')) {
             if member.starts_with(|c: char| c.is_ascii_lowercase()) {
-                let (names, value) = value.split_once('|').map_or((Vec::<String>::new(), value), |(a, b)| (a.split_terminator(';').map(text).collect(), b));
+                let columns: Vec<&str> = value.split('|').collect();
                 let of = if member.starts_with('o') { numbers(value) } else { Vec::new() };
                 match member {
 TAKEN                    _ => panic!("nothing takes that"),
@@ -95,6 +112,11 @@ const RUST_MAIN: &str = r#"
 #[allow(dead_code)]
 fn numbers(value: &str) -> Vec<f64> {
     value.split(';').filter(|x| !x.is_empty()).map(|x| x.parse().expect("an element")).collect()
+}
+
+#[allow(dead_code)]
+fn texts(value: &str) -> Vec<String> {
+    value.split_terminator(';').map(text).collect()
 }
 
 #[allow(dead_code)]
@@ -146,6 +168,34 @@ static char *read_text(char *at) {
     return at;
 }
 
+static double column_numbers[4][64];
+static bool column_truths[4][64];
+static const char *column_texts[4][64];
+static char column_bytes[4096];
+
+/* A count, and behind it the columns of these kinds. */
+char *read_columns(char *at, const char *kinds);
+char *read_columns(char *at, const char *kinds) {
+    uint32_t used = 0;
+    count = (uint32_t)strtol(at, &at, 10);
+    for (uint32_t k = 0; kinds[k]; k++) {
+        at++;
+        for (uint32_t i = 0; i < count; i++, at++) {
+            if (kinds[k] == 't') {
+                column_texts[k][i] = column_bytes + used;
+                for (; is_digit(*at); at += 2) {
+                    column_bytes[used++] = (char)(digit(at[0]) * 16 + digit(at[1]));
+                }
+                column_bytes[used++] = 0;
+            } else {
+                column_numbers[k][i] = strtod(at, &at);
+                column_truths[k][i] = column_numbers[k][i] != 0;
+            }
+        }
+    }
+    return at;
+}
+
 static char *read_names(char *at) {
     uint32_t used = 0;
     for (name_count = 0; *at != '|'; at += *at == ';') {
@@ -188,14 +238,27 @@ fn c_runner(number: usize, monitor: &Generated) -> String {
         })
         .collect();
     let prefix = &monitor.interface.prefix;
+    let mut column_kinds = String::new();
     let wholes = monitor.interface.wholes.iter().enumerate();
     let wholes: String = wholes
         .map(|(i, whole)| {
             let args = match whole.shape {
-                Shape::Numbers => "elements, count",
-                Shape::Text => "text, length",
-                Shape::Table(_) => "names, name_count, elements, count",
+                Shape::Numbers => "elements, count".to_owned(),
+                Shape::Text => "text, length".to_owned(),
+                Shape::Table(_) => "names, name_count, elements, count".to_owned(),
+                Shape::Columns => {
+                    let column = |(k, column): (usize, &Column)| match column.kind {
+                        Kind::Number => format!("column_numbers[{k}], "),
+                        Kind::Truth => format!("column_truths[{k}], "),
+                        Kind::Text => format!("column_texts[{k}], "),
+                    };
+                    format!("{}count", whole.columns.iter().enumerate().map(column).collect::<String>())
+                }
             };
+            let kinds: String = whole.columns.iter().map(|c| if c.kind == Kind::Text { 't' } else { 'n' }).collect();
+            if !kinds.is_empty() || whole.shape == Shape::Columns {
+                let _ = writeln!(column_kinds, "                case {i}: at = read_columns(at, \"{kinds}\"); break;");
+            }
             let case = format!("'{}' * 1000 + {i}", letter(whole.shape));
             format!("                case {case}: {prefix}_{}(&in, {args}); break;\n", whole.setter)
         })
@@ -210,6 +273,7 @@ fn c_runner(number: usize, monitor: &Generated) -> String {
     C_RUNNER
         .replace("NUMBER", &number.to_string())
         .replace("SETS", &sets)
+        .replace("COLUMNS", &column_kinds)
         .replace("TAKEN", &(wholes + &objects))
         .replace("UPPER", &prefix.to_uppercase())
         .replace("NAME", prefix)
@@ -228,8 +292,14 @@ static void runNUMBER(void) {
             if (at[1] >= 'a' && at[1] <= 'z') {
                 const char kind = at[1];
                 const long number = strtol(at + 2, &at, 10);
+                if (kind == 'r') {
+                    at++;
+                    switch (number) {
+COLUMNS                    default: exit(6);
+                    }
+                }
                 at = kind == 't' ? read_text(at + 1) : kind == 'l' ? read_names(at + 1) : at;
-                at = kind == 't' ? at : read_elements(at + 1);
+                at = kind == 't' || kind == 'r' ? at : read_elements(at + 1);
                 switch (kind * 1000 + number) {
 TAKEN                default: exit(5);
                 }

@@ -127,7 +127,7 @@ fn wholes(draw: &mut Draw) -> String {
             .to_owned();
     for name in ["a", "b", "c", "d", "e"] {
         let (word, limit) = (draw.one(&TEXTS), draw.number());
-        let asked = match draw.below(20) {
+        let asked = match draw.below(24) {
             0 => format!("starts_with(mode, \"{word}\")"),
             1 => format!("ends_with(mode, \"{word}\")"),
             2 => format!("contains(mode, \"{word}\")"),
@@ -143,6 +143,10 @@ fn wholes(draw: &mut Draw) -> String {
             12 => format!("all(ranges, v => v > {limit:.3} or v < -1.5)"),
             16 => format!("any(ranges, v => v {} joints.position[0])", draw.one(&["<", "<=", ">", ">="])),
             17 => format!("all(kick.ranges, v => joints.position[0] {} v)", draw.one(&["<", "<=", ">", ">="])),
+            18 => format!("any(seen.list, o => o.far < {limit:.3} and o.class == \"{word}\")"),
+            19 => format!("all(seen.list, o => o.is_there or o.at.x > {limit:.3})"),
+            20 => format!("seen.list[1].far > {limit:.3}"),
+            21 => format!("any(joints.name, n => n == \"{word}\")"),
             13 => "mode == place".to_owned(),
             14 => "mode != @{mode, -1}".to_owned(),
             15 => format!("(kick.by == mode or place == \"{word}\")"),
@@ -186,7 +190,17 @@ fn line(theme: Theme, time: f64, draw: &mut Draw) -> String {
 
 fn whole_line(time: f64, draw: &mut Draw) -> String {
     let word = draw.one(&TEXTS);
-    let (topic, ty, message) = match draw.below(4) {
+    let (topic, ty, message) = match draw.below(5) {
+        4 => {
+            let one = |draw: &mut Draw| {
+                let (class, far, x, is_there) = (draw.one(&TEXTS), draw.number(), draw.number(), draw.below(2) == 0);
+                format!(
+                    "{{\"class\": \"{class}\", \"far\": {far:?}, \"at\": {{\"x\": {x:?}}}, \"is_there\": {is_there}}}"
+                )
+            };
+            let list: Vec<String> = (0..draw.below(4)).map(|_| one(draw)).collect();
+            return format!("{{\"t\": {time:?}, \"event\": \"seen\", \"list\": [{}]}}\n", list.join(", "));
+        }
         0 => {
             let topic = draw.one(&["/mode", "/mode", "/place"]);
             (topic, "std_msgs/String", format!("{{\"data\": \"{word}\"}}"))

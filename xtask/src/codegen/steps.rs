@@ -1,6 +1,7 @@
 //! A trace in the words that the driver of generated monitors reads, and what it answers.
 //!
 //! A line `m N` begins monitor N, `s TIME MEMBER=VALUE… aARRAY=VALUE;VALUE… tTEXT=BYTES lTABLE=BYTES;BYTES;|VALUE;VALUE
+//! rARRAY=COUNT|VALUE;VALUE;|BYTES;BYTES;
 //! oOBJECT=VALUE;VALUE…` is a step, `a TIME` says that time went on, `e` ends. The answer to `e` is a line
 //! for each property, `VERDICT MET FAILED OPEN BEGAN AT`, and an empty line.
 

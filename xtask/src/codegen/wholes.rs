@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use lapwing_codegen::{From, Shape, Whole};
+use lapwing_codegen::{From, Kind, Shape, Whole};
 use lapwing_stream::Value;
 
 /// The names and the numbers of tables that came last.
@@ -15,6 +15,7 @@ pub fn letter(shape: Shape) -> char {
         Shape::Numbers => 'a',
         Shape::Text => 't',
         Shape::Table(_) => 'l',
+        Shape::Columns => 'r',
     }
 }
 
@@ -26,7 +27,7 @@ pub fn handed(
 ) -> Result<Option<String>, Unfit> {
     let found = |from| found(from).filter(|value| *value != Value::Missing);
     let Shape::Table(names) = whole.shape else {
-        return found(whole.from).map(|value| alone(&value)).transpose();
+        return found(whole.from).map(|value| alone(whole, &value)).transpose();
     };
     let came = [names, whole.from].map(|from| {
         let value = found(from);
@@ -43,11 +44,37 @@ pub fn handed(
 #[derive(Debug)]
 pub struct Unfit;
 
-fn alone(value: &Value) -> Result<String, Unfit> {
+fn alone(whole: &Whole, value: &Value) -> Result<String, Unfit> {
     match value {
+        value if whole.shape == Shape::Columns => columns(whole, value),
         Value::Str(text) => Ok(hex(text)),
         value => elements(value),
     }
+}
+
+/// How many elements there are, and an array for each part of them that is read.
+fn columns(whole: &Whole, value: &Value) -> Result<String, Unfit> {
+    let of = match value {
+        Value::List(of) => of.as_slice(),
+        Value::Nums(of) if of.is_empty() => &[],
+        _ => return Err(Unfit),
+    };
+    let mut word = of.len().to_string();
+    for column in &whole.columns {
+        word.push('|');
+        for element in of {
+            let part = column.path.iter().try_fold(element, |of, name| of.field(name));
+            word += &match (column.kind, part) {
+                (Kind::Number, None) => "NaN".to_owned(),
+                (Kind::Number, Some(Value::Num(x))) => format!("{x:?}"),
+                (Kind::Truth, Some(Value::Bool(b))) => u8::from(*b).to_string(),
+                (Kind::Text, Some(Value::Str(text))) => hex(text),
+                _ => return Err(Unfit),
+            };
+            word.push(';');
+        }
+    }
+    Ok(word)
 }
 
 fn elements(value: &Value) -> Result<String, Unfit> {

@@ -68,6 +68,10 @@ impl Syntax for C {
         }
     }
 
+    fn same(&self, of: &str, text: &str) -> String {
+        format!("{}_names({of}, {}, {})", self.prefix, wholes::c_text(text), text.len())
+    }
+
     fn variable(&self, name: &str, ty: Ty, value: &str, is_set: bool) -> String {
         let word = if is_set { "" } else { "const " };
         format!("{word}{} {name} = {value};", self.ty(ty))

@@ -32,6 +32,8 @@ pub(crate) trait Syntax {
     fn brackets_choices(&self) -> bool;
     fn cast(&self, ty: Ty, of: &str) -> String;
     fn call(&self, helper: Helper, args: &str) -> String;
+    /// Whether a text is that one.
+    fn same(&self, of: &str, text: &str) -> String;
     fn variable(&self, name: &str, ty: Ty, value: &str, is_set: bool) -> String;
     /// A condition or value behind a keyword, with what that language puts around it.
     fn head(&self, keyword: &str, of: &str) -> String;
@@ -220,6 +222,7 @@ impl<'u, S: Syntax> Writer<'u, S> {
                 self.syntax.choose(&text(c), &text(a), &text(b))
             }
             Expr::As(ty, of) => self.syntax.cast(*ty, &self.operand(of, None)),
+            Expr::Same(of, text) => self.syntax.same(&self.expr(of), text),
             Expr::Call(helper, args) => {
                 let args: Vec<String> = args.iter().map(|a| self.expr(a)).collect();
                 self.syntax.call(*helper, &args.join(", "))
@@ -233,7 +236,7 @@ impl<'u, S: Syntax> Writer<'u, S> {
         let is_chain = matches!((e, under), (Expr::Bin(a, ..), Some(b)) if *a == b && chains(b));
         let is_negative = matches!(e, Expr::Int(i) if *i < 0) || matches!(e, Expr::Float(x) if x.is_sign_negative());
         let is_compound = is_negative
-            || matches!(e, Expr::Bin(..) | Expr::Choose(..) | Expr::Neg(_) | Expr::As(..))
+            || matches!(e, Expr::Bin(..) | Expr::Choose(..) | Expr::Neg(_) | Expr::As(..) | Expr::Same(..))
             || matches!(e, Expr::Not(of) if matches!(**of, Expr::Bin(Bin::Eq | Bin::Ne, ..)));
         if is_compound && !is_chain { format!("({text})") } else { text }
     }

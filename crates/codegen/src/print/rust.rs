@@ -66,6 +66,10 @@ impl Syntax for Rust {
         format!("{}({args})", spelling(helper).rust)
     }
 
+    fn same(&self, of: &str, text: &str) -> String {
+        format!("{of} == {text:?}")
+    }
+
     fn variable(&self, name: &str, ty: Ty, value: &str, is_set: bool) -> String {
         let word = if is_set { "let mut" } else { "let" };
         format!("{word} {name}: {} = {value};", self.ty(ty))

@@ -2,7 +2,9 @@
 
 use crate::Interface;
 use crate::code::{Expr, Unit};
-use crate::interface::Member;
+use crate::elements::Column;
+use crate::interface::{Kind, Member};
+use crate::prune::below;
 use crate::texts::{Codes, FNV};
 use crate::wholes::{Shape, What, Whole};
 
@@ -45,6 +47,9 @@ fn doc(whole: &Whole) -> String {
         Shape::Numbers => {
             format!("The array `{label}` came: works out what is asked of it, and keeps no more of it than that.")
         }
+        Shape::Columns => format!(
+            "The array `{label}` came: works out what is asked of it. For each part of its elements that is read it wants an array of `count`."
+        ),
         Shape::Text => format!("The text `{label}` came: works out what is asked of it, and does not keep it."),
         Shape::Table(_) => {
             format!(
@@ -62,26 +67,44 @@ pub(super) fn rust(w: &mut Writer<'_, Rust>, interface: &Interface) {
         }
         w.comment("///", &doc(whole));
         let params = match whole.shape {
-            Shape::Numbers => "of: &[f64]",
-            Shape::Text => "text: &str",
-            Shape::Table(_) => "names: &[&str], of: &[f64]",
+            Shape::Numbers => "of: &[f64]".to_owned(),
+            Shape::Text => "text: &str".to_owned(),
+            Shape::Table(_) => "names: &[&str], of: &[f64]".to_owned(),
+            Shape::Columns => {
+                let of = |c: &Column| {
+                    format!(
+                        ", {}: &[{}]",
+                        c.name(),
+                        if c.kind == Kind::Text { "&str" } else { Rust.ty(c.kind.ty(interface.codes)) }
+                    )
+                };
+                format!("count: usize{}", whole.columns.iter().map(of).collect::<String>())
+            }
         };
         w.line(&format!("pub fn {}(&mut self, {params}) {{", whole.setter));
-        w.inside(|w| parts.iter().for_each(|(member, what)| rust_part(w, member, what)));
+        w.inside(|w| {
+            if whole.shape == Shape::Columns && parts.iter().all(|(_, what)| matches!(what, What::At(..))) {
+                w.line("let _ = count;");
+            }
+            parts.iter().for_each(|(member, what)| rust_part(w, whole, member, what));
+        });
         w.line("}");
     }
 }
 
-fn rust_part(w: &mut Writer<'_, Rust>, member: &Member, what: &What) {
+fn rust_part(w: &mut Writer<'_, Rust>, whole: &Whole, member: &Member, what: &What) {
     let name = &member.name;
     let of_all = |sign: &str| {
         format!("of.iter().fold(f64::NAN, |best, &x| if x.is_nan() || x {sign} best {{ best }} else {{ x }})")
     };
     let value = match what {
+        What::Length if whole.shape == Shape::Columns => "count as f64".to_owned(),
         What::Length => "of.len() as f64".to_owned(),
         What::Least => of_all(">="),
         What::Greatest => of_all("<="),
         What::Element(n) => format!("of.get({n}).copied().unwrap_or(f64::NAN)"),
+        What::At(n, column) => format!("{}.get({n}).copied().unwrap_or(f64::NAN)", column.name()),
+        What::Any(body) if whole.shape == Shape::Columns => rust_any(w, whole, body),
         What::Any(body) => format!("of.iter().any(|&x| !x.is_nan() && {})", w.operand(body, None)),
         What::Beside(name) => {
             format!(
@@ -97,6 +120,26 @@ fn rust_part(w: &mut Writer<'_, Rust>, member: &Member, what: &What) {
     if let Some(has) = &member.has {
         w.line(&format!("self.{has} = true;"));
     }
+}
+
+/// Whether something is true of any element of which there are parts: a part that is missing ends the array.
+fn rust_any(w: &Writer<'_, Rust>, whole: &Whole, body: &Expr) -> String {
+    let read = whole.columns.iter().filter(|column| reads(body, column));
+    let mut parts = "0..count".to_owned();
+    let mut names = "_".to_owned();
+    for column in read {
+        parts = format!("({parts}).zip({})", column.name());
+        names = format!("({names}, &{})", column.element());
+    }
+    let parts = if parts == "0..count" { "(0..count)".to_owned() } else { parts };
+    format!("{parts}.any(|{names}| {})", w.expr(body))
+}
+
+/// Whether what is said of an element reads that part of it.
+fn reads(body: &Expr, column: &Column) -> bool {
+    let mut found = false;
+    below(body, &mut |e| found |= matches!(e, Expr::Local(name) if *name == column.element()));
+    found
 }
 
 /// The function that gives the code of a text, where one is called.
@@ -152,14 +195,14 @@ pub(super) fn c_source(w: &mut Writer<'_, C>, interface: &Interface) {
         w.line(&line);
         w.inside(|w| {
             let all = |is: fn(&What) -> bool| parts.iter().all(|(_, what)| is(what));
-            if all(|what| *what == What::Length) {
+            if whole.shape == Shape::Numbers && all(|what| *what == What::Length) {
                 w.line("(void)of;");
             }
             if all(|what| looked_for(what).is_some_and(str::is_empty)) {
                 w.line("(void)text;");
                 w.line("(void)length;");
             }
-            parts.iter().for_each(|(member, what)| c_part(w, member, what));
+            parts.iter().for_each(|(member, what)| c_part(w, whole, member, what));
         });
         w.line("}");
     }
@@ -176,18 +219,32 @@ fn looked_for(what: &What) -> Option<&str> {
 fn c_signature(w: &Writer<'_, C>, whole: &Whole) -> String {
     let prefix = &w.syntax.prefix;
     let params = match whole.shape {
-        Shape::Numbers => "const double *of, uint32_t count",
-        Shape::Text => "const char *text, uint32_t length",
-        Shape::Table(_) => "const char *const *names, uint32_t name_count, const double *of, uint32_t count",
+        Shape::Numbers => "const double *of, uint32_t count".to_owned(),
+        Shape::Text => "const char *text, uint32_t length".to_owned(),
+        Shape::Table(_) => "const char *const *names, uint32_t name_count, const double *of, uint32_t count".to_owned(),
+        Shape::Columns => {
+            let of = |c: &Column| format!("const {} *{}, ", c_element(c), c.name());
+            format!("{}uint32_t count", whole.columns.iter().map(of).collect::<String>())
+        }
     };
     format!("void {prefix}_{}({prefix}_inputs *in, {params})", whole.setter)
 }
 
-fn c_part(w: &mut Writer<'_, C>, member: &Member, what: &What) {
+/// The type of the elements of an array of parts.
+fn c_element(column: &Column) -> &'static str {
+    match column.kind {
+        Kind::Truth => "bool",
+        Kind::Number => "double",
+        Kind::Text => "char *const",
+    }
+}
+
+fn c_part(w: &mut Writer<'_, C>, whole: &Whole, member: &Member, what: &What) {
     let (to, nan, prefix) = (format!("in->{}", member.name), w.syntax.float(f64::NAN), w.syntax.prefix.clone());
     let first = match what {
         What::Length => "(double)count".to_owned(),
         What::Element(n) => format!("count > {n} ? of[{n}] : {nan}"),
+        What::At(n, column) => format!("count > {n} ? {}[{n}] : {nan}", column.name()),
         What::Least | What::Greatest | What::Beside(_) => nan,
         What::Any(_) => "false".to_owned(),
         What::Code => format!("{prefix}_code_of(text, length)"),
@@ -198,9 +255,15 @@ fn c_part(w: &mut Writer<'_, C>, member: &Member, what: &What) {
     };
     w.line(&format!("{to} = {first};"));
     match what {
-        What::Least => each(w, &format!("x == x && !(x >= {to})"), &format!("{to} = x;")),
-        What::Greatest => each(w, &format!("x == x && !(x <= {to})"), &format!("{to} = x;")),
-        What::Any(body) => each(w, &format!("x == x && {}", w.operand(body, None)), &format!("{to} = true;")),
+        What::Least => each(w, OF, &format!("x == x && !(x >= {to})"), &format!("{to} = x;")),
+        What::Greatest => each(w, OF, &format!("x == x && !(x <= {to})"), &format!("{to} = x;")),
+        What::Any(body) if whole.shape == Shape::Columns => {
+            let read = whole.columns.iter().filter(|column| reads(body, column));
+            let parts = read.map(|c| format!("const {} {} = {}[i];", c_element(c), c.element(), c.name()));
+            let parts: Vec<String> = parts.collect();
+            each(w, &parts, &w.expr(body), &format!("{to} = true;"));
+        }
+        What::Any(body) => each(w, OF, &format!("x == x && {}", w.operand(body, None)), &format!("{to} = true;")),
         What::Beside(name) => beside(w, &to, name),
         _ => {}
     }
@@ -218,11 +281,14 @@ fn found(prefix: &str, text: &str, at: &str, long_enough: &str) -> String {
     }
 }
 
-/// What is done for the elements of which something is true.
-fn each(w: &mut Writer<'_, C>, condition: &str, then: &str) {
+/// An element of an array of numbers.
+const OF: &[&str] = &["const double x = of[i];"];
+
+/// What is done for the elements of which something is true; first its parts are named.
+fn each(w: &mut Writer<'_, C>, parts: &[impl AsRef<str>], condition: &str, then: &str) {
     w.line("for (uint32_t i = 0; i < count; i++) {");
     w.inside(|w| {
-        w.line("const double x = of[i];");
+        parts.iter().for_each(|part| w.line(part.as_ref()));
         w.line(&format!("if ({condition}) {{"));
         w.inside(|w| w.line(then));
         w.line("}");
@@ -259,7 +325,12 @@ fn c_helpers(w: &mut Writer<'_, C>, interface: &Interface) {
     if interface.asks(|what| contains(what) && is_found(what)) {
         w.lines(&C_CONTAINS.replace("NAME", &prefix));
     }
-    if interface.asks(|what| matches!(what, What::Beside(_))) {
+    let is_same = |body: &Expr| {
+        let mut found = false;
+        below(body, &mut |e| found |= matches!(e, Expr::Same(..)));
+        found
+    };
+    if interface.asks(|what| matches!(what, What::Beside(_)) || what.body().is_some_and(is_same)) {
         w.lines(&C_NAMES.replace("NAME", &prefix));
     }
     if asks_code && !is_listed {
@@ -294,7 +365,7 @@ fn c_codes(w: &mut Writer<'_, C>, interface: &Interface, has_texts: bool) {
 }
 
 /// A text between quotes; what is not plain in its bytes.
-fn c_text(text: &str) -> String {
+pub(super) fn c_text(text: &str) -> String {
     let escaped = text.bytes().map(|byte| match byte {
         b'"' | b'\\' | b'?' => format!("\\{}", char::from(byte)),
         b' '..=b'~' => char::from(byte).to_string(),
