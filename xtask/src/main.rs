@@ -12,7 +12,7 @@ use std::{env, fs, io};
 
 use clap::{Parser, Subcommand};
 use xtask::big::{Comparison, Kind, SPEC};
-use xtask::codegen::{Case, Target};
+use xtask::codegen::{Case, Target, beyond, of_suite};
 use xtask::random::{Told, run};
 
 /// Chores of the repository.
@@ -53,6 +53,9 @@ enum Chore {
         /// Only in C, which compiles in a tenth of the time.
         #[arg(long)]
         c: bool,
+        /// Instead say which properties of the suite are refused, and why.
+        #[arg(long)]
+        refused: bool,
     },
     /// Compile the soccer robot's monitors for a Cortex-M3, and say how large they are.
     CodeSize,
@@ -65,7 +68,11 @@ fn main() -> ExitCode {
             eprintln!("error: {error}");
             ExitCode::FAILURE
         }),
-        Chore::Codegen { random, seed, c } => codegen(random, seed, c).unwrap_or_else(|error| {
+        Chore::Codegen { refused: true, .. } => refused().unwrap_or_else(|error| {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }),
+        Chore::Codegen { random, seed, c, .. } => codegen(random, seed, c).unwrap_or_else(|error| {
             eprintln!("error: {error}");
             ExitCode::FAILURE
         }),
@@ -74,6 +81,16 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }),
     }
+}
+
+fn refused() -> Result<ExitCode, String> {
+    let folder = tempfile::tempdir().map_err(|e| e.to_string())?;
+    for case in of_suite(folder.path())? {
+        for (name, why) in beyond(&case) {
+            println!("{}\n{name}: {why}\n", case.label);
+        }
+    }
+    Ok(ExitCode::SUCCESS)
 }
 
 fn codegen(random: u64, seed: u64, c: bool) -> Result<ExitCode, String> {

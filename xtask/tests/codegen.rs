@@ -1,7 +1,7 @@
 //! Generated monitors, in Rust and in C, say what the engine says: on the suite, and on specifications and traces at random. More of them:
 //! `cargo run -p xtask -- codegen`.
 
-use xtask::codegen::{Case, Count, Target, agree, of_suite};
+use xtask::codegen::{Case, Count, Target, Theme, agree, handed, of_suite};
 
 const HERE: [Target; 2] = [Target::Rust, Target::C];
 
@@ -40,4 +40,18 @@ fn they_agree_on_specifications_at_random() {
     let count = compare(&all, &HERE);
     println!("at random: {count:?}");
     assert!(count.compared >= 2 * CASES as usize, "{count:?}");
+}
+
+/// How many cases of each theme are compared.
+const OF_A_THEME: u64 = 20;
+
+#[test]
+fn they_agree_on_what_is_handed_over_as_a_whole() {
+    let folder = tempfile::tempdir().expect("a folder to write traces to");
+    let of = |theme| (1..=OF_A_THEME).map(move |seed| (theme, seed));
+    let all = Theme::ALL.into_iter().flat_map(of);
+    let all: Vec<Case> = all.map(|(theme, seed)| handed(theme, seed, folder.path()).expect("a case")).collect();
+    let count = compare(&all, &HERE);
+    println!("handed over: {count:?}");
+    assert_eq!((count.refused, count.unfit), (0, 0), "{count:?}");
 }

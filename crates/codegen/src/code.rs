@@ -64,6 +64,8 @@ pub(crate) enum Expr {
     As(Ty, Box<Expr>),
     /// A function that stands in the prelude, or in the mathematical library.
     Call(Helper, Vec<Expr>),
+    /// Whether a text, an element of an array, is one that is written down.
+    Same(Box<Expr>, String),
 }
 
 /// Functions that both languages are given, each after those that it calls.

@@ -74,6 +74,7 @@ pub(crate) fn rewrite(e: Expr, leaf: &impl Fn(Expr) -> Expr) -> Expr {
         Expr::As(ty, of) => Expr::As(ty, Box::new(again(of))),
         Expr::Choose(c, a, b) => again(c).choose(again(a), again(b)),
         Expr::Call(helper, args) => Expr::Call(helper, args.into_iter().map(|a| rewrite(a, leaf)).collect()),
+        Expr::Same(of, text) => Expr::Same(Box::new(again(of)), text),
         Expr::Bin(op, a, b) => binary(op, again(a), again(b)),
     }
 }

@@ -24,18 +24,7 @@ impl Writer<'_> {
         for (&from, member) in &self.scene.members {
             let unit = &mut self.unit;
             match from {
-                From::Input(slot) => {
-                    let name = self.scene.slot_field(slot);
-                    unit.field(
-                        &name,
-                        member.ty(),
-                        self.scene.initial(slot),
-                        &format!("The latest value: {}", member.doc),
-                    );
-                    if self.program.slots[slot].default.is_none() {
-                        unit.field(&format!("{name}_known"), Ty::Bool, false.into(), "Whether it ever had one.");
-                    }
-                }
+                From::Input(slot) => self.signal(slot, member.ty, &member.doc),
                 From::Event(event) => {
                     unit.field(&self.scene.event_field(event), Ty::Bool, false.into(), &member.doc);
                 }
@@ -46,7 +35,7 @@ impl Writer<'_> {
                         Kind::Number => Expr::Float(0.0),
                         Kind::Text => Expr::Int(0),
                     };
-                    unit.field(&name, member.ty(), initial, &member.doc);
+                    unit.field(&name, member.ty, initial, &member.doc);
                     unit.field(&format!("{name}_there"), Ty::Bool, false.into(), "Whether it has that field.");
                 }
                 From::Topic(topic) => {
@@ -54,8 +43,15 @@ impl Writer<'_> {
                     unit.field(&name, Ty::Bool, false.into(), &member.doc);
                     unit.field(&format!("{name}_known"), Ty::Bool, false.into(), "Whether one ever came.");
                 }
+                From::Pose(_) | From::Twist(_) | From::Part(..) => {}
             }
         }
+        for object in self.scene.objects() {
+            for (_, slot) in self.scene.parts(object) {
+                self.signal(slot, Ty::F64, &format!("`{}`.", self.scene.spec.inputs[slot].label));
+            }
+        }
+        self.object_fields();
         for (event, name) in self.events_of_machines() {
             self.unit.field(
                 &name,
@@ -77,6 +73,15 @@ impl Writer<'_> {
         }
         self.age_fields();
         self.frequency_fields();
+    }
+
+    /// The latest value of a signal.
+    fn signal(&mut self, slot: usize, ty: Ty, doc: &str) {
+        let name = self.scene.slot_field(slot);
+        self.unit.field(&name, ty, self.scene.initial(slot), &format!("The latest value: {doc}"));
+        if self.program.slots[slot].default.is_none() {
+            self.unit.field(&format!("{name}_known"), Ty::Bool, false.into(), "Whether it ever had one.");
+        }
     }
 
     /// The events that machines emit.
@@ -102,18 +107,9 @@ impl Writer<'_> {
             match from {
                 From::Input(slot) => {
                     let has = Expr::Input(member.has.clone().unwrap_or_default());
-                    let name = self.scene.slot_field(slot);
                     b.when(has, |b| {
                         self.hear(b, Read::Slot(slot));
-                        b.set(&field(&name), value);
-                        if self.program.slots[slot].default.is_none() {
-                            b.set(&field(format!("{name}_known")), true);
-                        }
-                        for &machine in &self.scene.machines {
-                            if updated_slots(&self.program.machines[machine].at).contains(&slot) {
-                                b.set(&field(format!("m{machine}_updated_{slot}")), true);
-                            }
-                        }
+                        self.receive(b, slot, value);
                     });
                 }
                 From::Topic(topic) => b.when(value, |b| {
@@ -124,7 +120,22 @@ impl Writer<'_> {
                     b.set(&field(format!("{name}_known")), true);
                 }),
                 From::Event(event) => b.when(value, |b| self.occur(b, event)),
-                From::EventField(..) => {}
+                From::Pose(_) | From::Twist(_) | From::Part(..) | From::EventField(..) => {}
+            }
+        }
+        self.scene.objects().into_iter().for_each(|object| self.take_object(b, object));
+    }
+
+    /// A signal has another value.
+    pub fn receive(&self, b: &mut Block, slot: usize, value: Expr) {
+        let name = self.scene.slot_field(slot);
+        b.set(&field(&name), value);
+        if self.program.slots[slot].default.is_none() {
+            b.set(&field(format!("{name}_known")), true);
+        }
+        for &machine in &self.scene.machines {
+            if updated_slots(&self.program.machines[machine].at).contains(&slot) {
+                b.set(&field(format!("m{machine}_updated_{slot}")), true);
             }
         }
     }

@@ -1,7 +1,9 @@
 //! What a program that has the monitor in it sees: members, properties, texts, and what is said of them at the top of the file.
 
-use crate::arrays::Array;
 use crate::code::Ty;
+use crate::objects::Object;
+use crate::texts::Codes;
+use crate::wholes::Whole;
 
 /// What a generated monitor takes and says.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,10 +16,14 @@ pub struct Interface {
     pub properties: Vec<Property>,
     /// The members of what comes with a step.
     pub members: Vec<Member>,
-    /// The arrays: the members that are asked of one are set by a function that takes it.
-    pub arrays: Vec<Array>,
-    /// The texts that inputs are compared with; the code of each is its place here plus one.
+    /// The arrays and texts: the members that are asked of one are set by a function that takes it.
+    pub wholes: Vec<Whole>,
+    /// The objects of a simulator's ground truth, with the functions that take them.
+    pub objects: Vec<Object>,
+    /// The texts that inputs are compared with.
     pub texts: Vec<Text>,
+    /// How texts become numbers.
+    pub codes: Codes,
     /// How much of anything is queued whose number the specification does not bound.
     pub capacity: usize,
     /// Whether the Rust calls the crate `libm`, and the C the mathematical library.
@@ -44,6 +50,8 @@ pub struct Text {
     pub text: String,
     /// The name of its code.
     pub name: String,
+    /// Its code.
+    pub code: i64,
 }
 
 /// A member of what comes with a step.
@@ -59,6 +67,8 @@ pub struct Member {
     pub from: From,
     /// What it is, for the reader of the file.
     pub doc: String,
+    /// Its type.
+    pub(crate) ty: Ty,
 }
 
 /// What a member carries.
@@ -83,14 +93,21 @@ pub enum From {
     EventField(usize, usize),
     /// That a message of a topic came.
     Topic(usize),
+    /// That the pose of an object came.
+    Pose(usize),
+    /// That the velocities of an object came.
+    Twist(usize),
+    /// A number of an object's pose or velocities: the object, and which of [`lapwing_check::checked::Part`].
+    Part(usize, usize),
 }
 
-impl Member {
-    pub(crate) fn ty(&self) -> Ty {
-        match self.kind {
+impl Kind {
+    /// The type of its values.
+    pub(crate) fn ty(self, codes: Codes) -> Ty {
+        match self {
             Kind::Truth => Ty::Bool,
             Kind::Number => Ty::F64,
-            Kind::Text => Ty::U32,
+            Kind::Text => codes.ty(),
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! The way from a checked specification to text:
 //!
-//! 1. What is asked of arrays becomes inputs (`arrays`), and what cannot be generated is refused, at its place (`refuse`).
+//! 1. What is asked of arrays and texts becomes inputs (`wholes`), and what cannot be generated is refused, at its place (`refuse`).
 //! 2. The compiler lowers the specification to the engine's program, as for a check. What kind of value each signal has is worked out
 //!    (`kinds`), and what to call it (`scene`).
 //! 3. Expressions (`value`), operators about the past (`past`), scopes (`segments`) and machines (`machines`) become statements of a small
@@ -17,10 +17,12 @@
 
 mod interface;
 
-mod arrays;
+mod elements;
 mod refuse;
+mod wholes;
 
 mod kinds;
+mod objects;
 mod scene;
 
 mod code;
@@ -28,10 +30,12 @@ mod fold;
 mod prune;
 
 mod frequency;
+mod geometry;
 mod past;
 mod positions;
 mod ring;
 mod segments;
+mod texts;
 mod value;
 
 mod automaton;
@@ -50,8 +54,11 @@ mod verdict;
 
 mod print;
 
-pub use arrays::Array;
+pub use elements::Column;
 pub use interface::{From, Interface, Kind, Member, Property, Text};
+pub use objects::{Object, Setter, Vector};
+pub use texts::Codes;
+pub use wholes::{Shape, Whole};
 
 use lapwing_check::checked::{Body, Spec};
 use lapwing_check::compile::compile;
@@ -99,14 +106,15 @@ pub const CAPACITY: usize = 64;
 /// Why properties cannot be generated, as far as the text of each tells, with their names. An empty list says that one can.
 pub fn refusals(spec: &Spec) -> Vec<(String, Vec<Diagnostic>)> {
     let mut unfolded = spec.clone();
-    arrays::unfold(&mut unfolded);
+    wholes::unfold(&mut unfolded, &mut Names::default());
     unfolded.properties.iter().map(|p| (p.name.clone(), refused(&unfolded, p))).collect()
 }
 
 /// Generates the monitors of a specification that was checked without errors. `title` is what reports call it.
 pub fn generate(spec: &Spec, title: &str, options: &Options) -> Result<Generated, Vec<Diagnostic>> {
     let mut chosen = choose(spec, options);
-    let arrays = arrays::unfold(&mut chosen);
+    let mut setters = Names::default();
+    let mut wholes = wholes::unfold(&mut chosen, &mut setters);
     let found: Vec<Diagnostic> = chosen.properties.iter().flat_map(|p| refused(&chosen, p)).collect();
     if !found.is_empty() {
         return Err(once_each(found));
@@ -116,7 +124,9 @@ pub fn generate(spec: &Spec, title: &str, options: &Options) -> Result<Generated
     clashes(&chosen, &scene)?;
     let unit = assemble::assemble(&scene, room(options))
         .map_err(|(property, beyond)| vec![beyond_of(&chosen, property, beyond)])?;
-    let interface = interface(&scene, title, options, arrays, &unit);
+    wholes::add_codes(&mut wholes, &scene, &mut setters);
+    let objects = objects::objects(&scene, &mut setters);
+    let interface = interface(&scene, title, options, (wholes, objects), &unit);
     let files = match options.language {
         Language::Rust => vec![(format!("{}.rs", interface.prefix), print::rust(&unit, &interface))],
         Language::C => {
@@ -165,6 +175,7 @@ fn clashes(spec: &Spec, scene: &Scene<'_>) -> Result<(), Vec<Diagnostic>> {
         From::Input(i) => spec.inputs[*i].label.clone(),
         From::Event(e) | From::EventField(e, _) => spec.events[*e].name.clone(),
         From::Topic(t) => spec.topics[*t].name.clone(),
+        From::Pose(o) | From::Twist(o) | From::Part(o, _) => spec.objects[*o].name.clone(),
     };
     let mut found: Vec<Diagnostic> = scene
         .kinds
@@ -178,8 +189,8 @@ fn clashes(spec: &Spec, scene: &Scene<'_>) -> Result<(), Vec<Diagnostic>> {
     if has_odd_comparisons(scene.program, &scene.kinds) {
         found.push(refusal(
             place,
-            "values of two kinds are compared, or two texts that only a trace knows",
-            "compare with a number, or with a text in quotes",
+            "values of two kinds are compared",
+            "compare numbers with numbers, and texts with texts: a signal's declaration says which it is",
         ));
     }
     if found.is_empty() { Ok(()) } else { Err(found) }
@@ -199,7 +210,13 @@ fn beyond_of(spec: &Spec, property: usize, beyond: Beyond) -> Diagnostic {
     refusal(span, message, help)
 }
 
-fn interface(scene: &Scene<'_>, title: &str, options: &Options, arrays: Vec<Array>, unit: &code::Unit) -> Interface {
+fn interface(
+    scene: &Scene<'_>,
+    title: &str,
+    options: &Options,
+    taken: (Vec<Whole>, Vec<Object>),
+    unit: &code::Unit,
+) -> Interface {
     let mut names = Names::default();
     let property = |p: &lapwing_check::checked::Property| Property {
         name: p.name.clone(),
@@ -219,12 +236,14 @@ fn interface(scene: &Scene<'_>, title: &str, options: &Options, arrays: Vec<Arra
         })
     };
     Interface {
-        arrays,
+        wholes: taken.0,
+        objects: taken.1,
         prefix: identifier(&options.name).to_lowercase(),
         spec: title.split(char::is_control).collect::<Vec<_>>().join(" "),
         properties: scene.spec.properties.iter().map(property).collect(),
         members: scene.members.values().cloned().collect(),
         texts: scene.texts.clone(),
+        codes: scene.codes,
         capacity: room(options),
         needs_libm: (any(print::needs_libm), any(print::needs_math)),
     }

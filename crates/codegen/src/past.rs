@@ -204,7 +204,7 @@ impl<'a> Past<'a> {
         let value = view.value(node);
         let there = value.there;
         let (values, theres) = (self.name(i, "values"), self.name(i, "theres"));
-        let (ty, initial) = ty(value.kind);
+        let (ty, initial) = (value.kind.ty(self.scene.codes), initial(value.kind));
         unit.array(&values, ty, depth, initial, "Earlier values.");
         unit.array(&theres, Ty::Bool, depth, false.into(), "Whether there was one.");
         let next = unit.field(&self.name(i, "next"), Ty::U32, 0.into(), "The oldest of them.");
@@ -320,10 +320,10 @@ pub(crate) fn whole(bound: &Bound) -> (i64, Option<i64>) {
     (from, to)
 }
 
-fn ty(kind: Kind) -> (Ty, Expr) {
+fn initial(kind: Kind) -> Expr {
     match kind {
-        Kind::Truth => (Ty::Bool, false.into()),
-        Kind::Number => (Ty::F64, f64::NAN.into()),
-        Kind::Text => (Ty::U32, 0.into()),
+        Kind::Truth => false.into(),
+        Kind::Number => f64::NAN.into(),
+        Kind::Text => 0.into(),
     }
 }

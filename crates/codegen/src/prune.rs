@@ -109,7 +109,7 @@ pub(crate) fn reads(body: &[Stmt], see: &mut impl FnMut(&Expr)) {
 pub(crate) fn below(e: &Expr, see: &mut impl FnMut(&Expr)) {
     see(e);
     match e {
-        Expr::Elem(_, of) | Expr::Not(of) | Expr::Neg(of) | Expr::As(_, of) => below(of, see),
+        Expr::Elem(_, of) | Expr::Not(of) | Expr::Neg(of) | Expr::As(_, of) | Expr::Same(of, _) => below(of, see),
         Expr::Bin(_, a, b) => [a, b].into_iter().for_each(|e| below(e, see)),
         Expr::Choose(a, b, c) => [a, b, c].into_iter().for_each(|e| below(e, see)),
         Expr::Call(_, args) => args.iter().for_each(|e| below(e, see)),

@@ -1,6 +1,6 @@
 //! What no monitor is generated for: found in the checked specification, where every formula has its place.
 
-use lapwing_check::checked::{Body, Bound, EventSource, Expr, Func, InputSource, Kind, Property, Scope, Spec};
+use lapwing_check::checked::{Body, Bound, EventSource, Expr, Func, Kind, Property, Scope, Spec};
 use lapwing_diag::{Code, Diagnostic, Span};
 use lapwing_stream::Type;
 
@@ -100,15 +100,7 @@ impl Refusals<'_> {
         let spec = self.spec;
         match &e.kind {
             Kind::Input(i) => {
-                if let InputSource::World { .. } = spec.inputs[*i].source {
-                    let message =
-                        "ground truth is worked out from messages of the simulator, which generated code does not read";
-                    self.add(
-                        e.span,
-                        message,
-                        "declare what it stands for as a signal of its own: `decl distance /distance Float64.data`",
-                    );
-                } else if is_structured(&spec.inputs[*i].ty) {
+                if is_structured(&spec.inputs[*i].ty) {
                     self.add(e.span, "arrays and messages are not among the inputs of generated code", ARRAYS);
                 }
             }
@@ -116,13 +108,17 @@ impl Refusals<'_> {
                 self.add(e.span, "arrays and messages are not among the inputs of generated code", ARRAYS);
                 return;
             }
-            Kind::Call(Func::Len | Func::MinOf | Func::MaxOf | Func::Lookup | Func::IntoBody, _) => {
+            Kind::Call(Func::Len | Func::MinOf | Func::MaxOf | Func::Lookup, _) => {
                 self.add(e.span, "this function needs an array or a text, which generated code does not have", ARRAYS);
                 return;
             }
             Kind::Call(Func::StartsWith | Func::EndsWith | Func::Contains, _) => {
-                let message = "generated code knows a text by a number, and cannot look into it";
-                self.add(e.span, message, "compare whole texts by `==`");
+                let message = "a text is looked through for one that is not written down: both would have to be kept";
+                self.add(
+                    e.span,
+                    message,
+                    "look for a text in quotes, or compare in the program and hand over what it comes to",
+                );
                 return;
             }
             Kind::Param(_) => self.add(e.span, "the value of an instance is not known beforehand", ""),

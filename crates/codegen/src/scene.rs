@@ -1,6 +1,6 @@
 //! The world as generated code keeps it: the names of what it stores of signals, events, topics and machines.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use lapwing_check::checked::{InputSource, Spec};
 use lapwing_engine::program::{Machine, Node, Op, Positions, Program, Read};
@@ -9,6 +9,8 @@ use lapwing_stream::Value;
 use crate::code::{Expr, field};
 use crate::interface::{From, Kind, Member, Names, Text, identifier};
 use crate::kinds::{Kinds, each_positions};
+use crate::objects::{handed, part_name, part_of};
+use crate::texts::Codes;
 
 /// What is read of the world, and under which names.
 pub(crate) struct Scene<'a> {
@@ -18,6 +20,9 @@ pub(crate) struct Scene<'a> {
     /// What comes from outside, with the names of its members.
     pub members: BTreeMap<From, Member>,
     pub texts: Vec<Text>,
+    pub codes: Codes,
+    /// What is read of the ground truth: the names of the fields that hold it.
+    parts: BTreeMap<usize, String>,
     /// The machines that something reads or judges.
     pub machines: Vec<usize>,
 }
@@ -26,16 +31,30 @@ impl<'a> Scene<'a> {
     pub fn new(spec: &'a Spec, program: &'a Program) -> Scene<'a> {
         let kinds = Kinds::of(spec, program);
         let used = Used::of(program);
-        let mut scene =
-            Scene { spec, program, kinds, members: BTreeMap::new(), texts: Vec::new(), machines: used.machines };
+        let (members, parts) = (BTreeMap::new(), BTreeMap::new());
+        let (texts, codes) = (Vec::new(), Codes::of(program, &kinds));
+        let mut scene = Scene { spec, program, kinds, members, texts, codes, parts, machines: used.machines };
         let mut names = Names::default();
+        let slots = used.froms.iter().filter_map(|from| match *from {
+            From::Input(slot) => Some(slot),
+            _ => None,
+        });
+        let handed = handed(spec, slots);
+        let mut fields = Names::default();
         for from in used.froms {
-            scene.member(from, &mut names);
+            match from {
+                From::Input(slot) if part_of(spec, slot).is_some() => {
+                    scene.parts.insert(slot, format!("w_{}", fields.give(&spec.inputs[slot].label)));
+                }
+                from => scene.member(from, &mut names),
+            }
         }
+        handed.into_iter().for_each(|from| scene.member(from, &mut names));
         let mut taken = Names::default();
         for text in used.texts {
             let name = taken.give(&format!("TEXT_{}", identifier(&text).to_uppercase()));
-            scene.texts.push(Text { text, name });
+            let code = codes.code(scene.texts.len(), &text);
+            scene.texts.push(Text { text, name, code });
         }
         scene
     }
@@ -62,12 +81,28 @@ impl<'a> Scene<'a> {
                 let name = &spec.topics[t].name;
                 (format!("got_{}", identifier(name)), format!("Whether a message of {name} came."))
             }
+            From::Pose(o) => {
+                let name = &spec.objects[o].name;
+                (format!("has_{name}"), format!("Whether the pose of `{name}` came."))
+            }
+            From::Twist(o) => {
+                let name = &spec.objects[o].name;
+                (format!("has_{name}_twist"), format!("Whether the velocities of `{name}` came."))
+            }
+            From::Part(o, part) => {
+                let name = part_name(&spec.objects[o].name, part);
+                (name.clone(), format!("`{name}`, as it is handed over."))
+            }
         };
         let is_value = matches!(from, From::Input(_) | From::EventField(..));
         let name = names.give(&label);
         let has = is_value.then(|| names.give(&format!("has_{name}")));
-        let kind = if is_value { self.kinds.get(from) } else { Kind::Truth };
-        self.members.insert(from, Member { name, has, kind, from, doc });
+        let kind = match from {
+            From::Part(..) => Kind::Number,
+            _ if is_value => self.kinds.get(from),
+            _ => Kind::Truth,
+        };
+        self.members.insert(from, Member { name, has, kind, from, doc, ty: kind.ty(self.codes) });
     }
 
     fn name(&self, from: From) -> &str {
@@ -76,7 +111,18 @@ impl<'a> Scene<'a> {
 
     /// The field of a signal's latest value.
     pub fn slot_field(&self, slot: usize) -> String {
-        format!("s_{}", self.name(From::Input(slot)))
+        self.parts.get(&slot).cloned().unwrap_or_else(|| format!("s_{}", self.name(From::Input(slot))))
+    }
+
+    /// The objects of which something is read.
+    pub fn objects(&self) -> BTreeSet<usize> {
+        self.parts.keys().filter_map(|&slot| part_of(self.spec, slot)).map(|(object, _)| object).collect()
+    }
+
+    /// What is read of an object: the numbers of its parts, and the signals that they are.
+    pub fn parts(&self, of: usize) -> impl Iterator<Item = (usize, usize)> {
+        let read = self.parts.keys().filter_map(|&slot| Some((part_of(self.spec, slot)?, slot)));
+        read.filter(move |((object, _), _)| *object == of).map(|((_, part), slot)| (part, slot))
     }
 
     /// Whether a signal has a value.
@@ -119,9 +165,9 @@ impl<'a> Scene<'a> {
         format!("t_{}", self.name(From::Topic(topic)))
     }
 
-    /// The code of a text; 0 for one that nothing is compared with.
+    /// The code of a text that is written down.
     pub fn text(&self, text: &str) -> i64 {
-        self.texts.iter().position(|t| t.text == text).map_or(0, |i| i as i64 + 1)
+        self.texts.iter().find(|t| t.text == text).map_or(0, |t| t.code)
     }
 
     /// The number by which a machine's state is stored.
@@ -149,7 +195,7 @@ fn f_name(spec: &Spec, event: usize, f: usize) -> String {
 /// What a program reads of the world.
 #[derive(Default)]
 struct Used {
-    froms: std::collections::BTreeSet<From>,
+    froms: BTreeSet<From>,
     texts: Vec<String>,
     machines: Vec<usize>,
 }
@@ -266,15 +312,13 @@ pub(crate) fn updated_slots(at: &Positions) -> Vec<usize> {
     slots
 }
 
-/// Comparisons that cannot be written without texts: of two texts of which neither is written down, of values of two kinds.
+/// Comparisons of values of two kinds.
 pub(crate) fn has_odd_comparisons(program: &Program, kinds: &Kinds) -> bool {
     let mut found = false;
     each_positions(program, |at| {
         for node in &at.nodes {
             if let Node::CompareAny { left, right, .. } = node {
-                let is_literal = |n: &u32| matches!(at.nodes[*n as usize], Node::Str(_));
-                let (l, r) = (kinds.settled(at, *left), kinds.settled(at, *right));
-                found |= l != r || (l == Kind::Text && !is_literal(left) && !is_literal(right));
+                found |= kinds.settled(at, *left) != kinds.settled(at, *right);
             }
         }
     });

@@ -4,6 +4,7 @@ use lapwing_engine::program::{Arith, Bit, Compare, Func, Node, NodeId, Op, Posit
 
 use crate::code::{Expr, Helper, Ty, call, field, local, since};
 use crate::frequency::frequency;
+use crate::geometry::{inverse, norm, rotated};
 use crate::intake::heard;
 use crate::interface::{From, Kind};
 use crate::kinds::Kinds;
@@ -240,6 +241,15 @@ fn numeric(func: Func, args: Vec<Expr>) -> Expr {
         Func::Min => fold(Helper::Least, args),
         Func::Max => fold(Helper::Greatest, args),
         Func::Norm => norm(&args),
+        Func::IntoBody => {
+            let turned = rotated(&[a(1), a(2), a(3)], &inverse([a(4), a(5), a(6), a(7)]), |_, e| e);
+            let [x, y, z] = turned;
+            match a(0) {
+                Expr::Float(0.0) => x,
+                Expr::Float(1.0) => y,
+                _ => z,
+            }
+        }
         Func::Deg => a(0).mul(num(180.0)).div(num(PI)),
         Func::Rad => a(0).mul(num(PI)).div(num(180.0)),
         Func::Roll | Func::Yaw | Func::Pitch => {
@@ -279,10 +289,4 @@ fn numeric(func: Func, args: Vec<Expr>) -> Expr {
 
 fn fold(helper: Helper, args: Vec<Expr>) -> Expr {
     args.into_iter().reduce(|a, b| call(helper, vec![a, b])).unwrap_or(NAN)
-}
-
-/// The Euclidean norm, summed from the left.
-fn norm(of: &[Expr]) -> Expr {
-    let squares = of.iter().map(|x| x.clone().mul(x.clone()));
-    call(Helper::Sqrt, vec![squares.reduce(|sum, x| sum + x).unwrap_or(Expr::Float(0.0))])
 }

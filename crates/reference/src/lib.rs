@@ -30,3 +30,4 @@ mod world;
 pub use obligations::Episode;
 pub use trace::{Arrival, Trace};
 pub use verdict::{Outcome, evaluate};
+pub use world::{Delivery, Tracked};

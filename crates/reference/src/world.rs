@@ -24,7 +24,7 @@ struct Twist {
 }
 
 /// What one message said of one object.
-pub(crate) struct Delivery {
+pub struct Delivery {
     pose: Pose,
     twist: Option<Twist>,
     /// The latest velocity in the object's own frame, by this pose.
@@ -33,7 +33,7 @@ pub(crate) struct Delivery {
 
 impl Delivery {
     /// The value that it has for a part, if any.
-    pub(crate) fn part(&self, part: Part) -> Option<f64> {
+    pub fn part(&self, part: Part) -> Option<f64> {
         let Pose { position: p, orientation: q } = self.pose;
         let twist = |pick: fn(Twist) -> f64| self.twist.map(pick);
         let body = |pick: fn(Twist) -> f64| self.body.map(pick);
@@ -63,7 +63,7 @@ impl Delivery {
 
 /// What must be remembered of one object from message to message.
 #[derive(Default)]
-pub(crate) struct Tracked {
+pub struct Tracked {
     /// The delivery before, for finite differences.
     before: Option<(Time, Pose)>,
     /// The latest finite difference.
@@ -76,7 +76,7 @@ pub(crate) struct Tracked {
 
 impl Tracked {
     /// What a message of a topic says of the object.
-    pub(crate) fn deliver(&mut self, object: &Object, time: Time, topic: usize, values: &[Value]) -> Option<Delivery> {
+    pub fn deliver(&mut self, object: &Object, time: Time, topic: usize, values: &[Value]) -> Option<Delivery> {
         match &object.source {
             ObjectSource::ModelStates { topic: t, name, pose, twist } if *t == topic => {
                 let at = position_of(values.get(*name)?, &object.name)?;

@@ -2,14 +2,17 @@
 
 pub mod cortex;
 mod driver;
+mod handed;
+mod objects;
 mod steps;
+mod wholes;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use lapwing_check::checked::Spec;
 use lapwing_check::compile::compile;
-use lapwing_codegen::{Generated, Interface, Language, Options, generate, refusals};
+use lapwing_codegen::{Generated, Interface, Language, Object, Options, Setter, generate, refusals};
 use lapwing_reference::Trace;
 use lapwing_stream::{Time, Verdict};
 
@@ -34,6 +37,9 @@ impl Case {
         Some(Case { label: format!("seed {seed}\n{text}\n{trace:?}"), spec, trace })
     }
 }
+
+/// A case at random of what is handed over as a whole.
+pub use handed::{Theme, handed};
 
 /// The cases of the suite on whose traces verdicts are expected; the traces are written to the folder.
 pub fn of_suite(folder: &Path) -> Result<Vec<Case>, String> {
@@ -118,6 +124,21 @@ pub fn agree(cases: &[Case], targets: &[Target], folder: &Path) -> Result<(Count
 pub fn within_scope(spec: &Spec) -> Vec<String> {
     let free = refusals(spec).into_iter().filter(|(_, why)| why.is_empty()).map(|(name, _)| name);
     free.filter(|name| generate(spec, "case.rv", &options(Language::C, 0, vec![name.clone()])).is_ok()).collect()
+}
+
+/// The properties of a case that are not compared, and why.
+pub fn beyond(case: &Case) -> Vec<(String, String)> {
+    let why = |name: &String| {
+        let generated = generate(&case.spec, "case.rv", &options(Language::C, 0, vec![name.clone()]));
+        match generated {
+            Err(why) => Some(why.iter().map(|d| d.message.as_str()).collect::<Vec<_>>().join("; ")),
+            Ok(it) if steps::of(&case.spec, &it.interface, &case.trace).is_none() => {
+                Some("its trace has values of other kinds than it takes them for".to_owned())
+            }
+            Ok(_) => None,
+        }
+    };
+    case.spec.properties.iter().filter_map(|p| Some((p.name.clone(), why(&p.name)?))).collect()
 }
 
 fn options(language: Language, number: usize, properties: Vec<String>) -> Options {
@@ -231,4 +252,9 @@ fn run(program: &Path, command: &mut Command, input: &str) -> Result<String, Str
 /// The names of the members of an interface, in order.
 pub fn members(interface: &Interface) -> impl Iterator<Item = (usize, &lapwing_codegen::Member)> {
     interface.members.iter().enumerate()
+}
+
+/// The functions of an interface that take objects, in order.
+pub fn setters(interface: &Interface) -> impl Iterator<Item = (&Object, &Setter)> {
+    interface.objects.iter().flat_map(|object| object.setters.iter().map(move |setter| (object, setter)))
 }

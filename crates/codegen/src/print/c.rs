@@ -1,7 +1,7 @@
 //! C99: a header and a source file, on freestanding headers alone, and `math.h` where a formula has roots or trigonometry.
 
 use super::prelude::{Spelling, spelling};
-use super::{Syntax, Writer, arrays, helpers, without_trigraphs};
+use super::{Syntax, Writer, helpers, objects, wholes, without_trigraphs};
 use crate::Interface;
 use crate::code::{Expr, Function, Helper, Ty, Unit};
 use crate::interface::{CAUSES, VERDICTS};
@@ -66,6 +66,10 @@ impl Syntax for C {
             Spelling { c, c_text: "", .. } => format!("{c}({args})"),
             Spelling { c, .. } => format!("{}_{c}({args})", self.prefix),
         }
+    }
+
+    fn same(&self, of: &str, text: &str) -> String {
+        format!("{}_names({of}, {}, {})", self.prefix, wholes::c_text(text), text.len())
     }
 
     fn variable(&self, name: &str, ty: Ty, value: &str, is_set: bool) -> String {
@@ -155,9 +159,12 @@ fn header(unit: &Unit, interface: &Interface) -> String {
         w.line(&format!("#define {upper}_P_{} {number}", property.macro_name));
     }
     if !interface.texts.is_empty() {
-        w.lines("\n/* The texts that inputs are compared with; any other text is 0. */");
-        for (code, text) in interface.texts.iter().enumerate() {
-            w.line(&format!("#define {upper}_{} {}", text.name, code + 1));
+        w.lines(&format!(
+            "\n/* The texts that inputs are compared with; any other text {}. */",
+            interface.other_texts()
+        ));
+        for text in &interface.texts {
+            w.line(&format!("#define {upper}_{} {}", text.name, text.code));
         }
     }
     inputs(&mut w, interface);
@@ -174,7 +181,7 @@ fn inputs(w: &mut Writer<'_, C>, interface: &Interface) {
     w.line("typedef struct {");
     w.inside(|w| {
         for member in &interface.members {
-            let ty = w.syntax.ty(member.ty());
+            let ty = w.syntax.ty(member.ty);
             w.comment("//", &member.doc);
             w.line(&format!("{ty} {};", member.name));
             if let Some(has) = &member.has {
@@ -186,7 +193,8 @@ fn inputs(w: &mut Writer<'_, C>, interface: &Interface) {
         }
     });
     w.line(&format!("}} {}_inputs;", interface.prefix));
-    arrays::c_header(w, interface);
+    wholes::c_header(w, interface);
+    objects::c_header(w, interface);
 }
 
 fn words(w: &mut Writer<'_, C>, doc: &str, name: &str, all: &[(&str, &str)]) {
@@ -268,7 +276,8 @@ fn source(unit: &Unit, interface: &Interface) -> String {
     for helper in &helpers {
         w.lines(&spelling(*helper).c_text.replace("NAME", prefix));
     }
-    arrays::c_source(&mut w, interface);
+    wholes::c_source(&mut w, interface);
+    objects::c_source(&mut w, interface);
     for function in &unit.functions {
         let public = PUBLIC.contains(&function.name.as_str());
         let signature = w.syntax.signature(function);

@@ -1,9 +1,10 @@
 //! From the intermediate form to text. What the languages share stands here; what they spell differently is a [`Syntax`].
 
-mod arrays;
 mod c;
+mod objects;
 mod prelude;
 mod rust;
+mod wholes;
 
 pub(crate) use c::{c, needs_math};
 pub(crate) use rust::{needs_libm, rust};
@@ -31,6 +32,8 @@ pub(crate) trait Syntax {
     fn brackets_choices(&self) -> bool;
     fn cast(&self, ty: Ty, of: &str) -> String;
     fn call(&self, helper: Helper, args: &str) -> String;
+    /// Whether a text is that one.
+    fn same(&self, of: &str, text: &str) -> String;
     fn variable(&self, name: &str, ty: Ty, value: &str, is_set: bool) -> String;
     /// A condition or value behind a keyword, with what that language puts around it.
     fn head(&self, keyword: &str, of: &str) -> String;
@@ -219,6 +222,7 @@ impl<'u, S: Syntax> Writer<'u, S> {
                 self.syntax.choose(&text(c), &text(a), &text(b))
             }
             Expr::As(ty, of) => self.syntax.cast(*ty, &self.operand(of, None)),
+            Expr::Same(of, text) => self.syntax.same(&self.expr(of), text),
             Expr::Call(helper, args) => {
                 let args: Vec<String> = args.iter().map(|a| self.expr(a)).collect();
                 self.syntax.call(*helper, &args.join(", "))
@@ -232,7 +236,7 @@ impl<'u, S: Syntax> Writer<'u, S> {
         let is_chain = matches!((e, under), (Expr::Bin(a, ..), Some(b)) if *a == b && chains(b));
         let is_negative = matches!(e, Expr::Int(i) if *i < 0) || matches!(e, Expr::Float(x) if x.is_sign_negative());
         let is_compound = is_negative
-            || matches!(e, Expr::Bin(..) | Expr::Choose(..) | Expr::Neg(_) | Expr::As(..))
+            || matches!(e, Expr::Bin(..) | Expr::Choose(..) | Expr::Neg(_) | Expr::As(..) | Expr::Same(..))
             || matches!(e, Expr::Not(of) if matches!(**of, Expr::Bin(Bin::Eq | Bin::Ne, ..)));
         if is_compound && !is_chain { format!("({text})") } else { text }
     }
@@ -269,7 +273,7 @@ fn sign(op: Bin) -> &'static str {
 /// The functions of the prelude that are called, those included that they call.
 fn helpers(unit: &Unit, interface: &Interface) -> BTreeSet<Helper> {
     let mut found = BTreeSet::new();
-    arrays::expressions(unit, interface, &mut |e| {
+    wholes::expressions(unit, interface, &mut |e| {
         below(e, &mut |e| {
             if let Expr::Call(helper, _) = e {
                 found.insert(*helper);

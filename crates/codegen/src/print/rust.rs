@@ -1,7 +1,7 @@
 //! Rust: a module for `no_std` crates, without `unsafe` and without dependencies, but for `libm` where a formula has trigonometry.
 
 use super::prelude::spelling;
-use super::{Syntax, Writer, arrays, helpers};
+use super::{Syntax, Writer, helpers, objects, wholes};
 use crate::Interface;
 use crate::code::{Expr, Function, Helper, Ty, Unit};
 use crate::interface::{CAUSES, VERDICTS};
@@ -66,6 +66,10 @@ impl Syntax for Rust {
         format!("{}({args})", spelling(helper).rust)
     }
 
+    fn same(&self, of: &str, text: &str) -> String {
+        format!("{of} == {text:?}")
+    }
+
     fn variable(&self, name: &str, ty: Ty, value: &str, is_set: bool) -> String {
         let word = if is_set { "let mut" } else { "let" };
         format!("{word} {name}: {} = {value};", self.ty(ty))
@@ -126,6 +130,7 @@ pub(crate) fn rust(unit: &Unit, interface: &Interface) -> String {
     for helper in helpers(unit, interface) {
         w.lines(spelling(helper).rust_text);
     }
+    wholes::rust_code(&mut w, interface);
     w.text
 }
 
@@ -134,10 +139,11 @@ fn properties(w: &mut Writer<'_, Rust>, interface: &Interface) {
     w.line(&format!("pub const PROPERTIES: [&str; {}] = [", interface.properties.len()));
     w.inside(|w| interface.properties.iter().for_each(|p| w.line(&format!("{:?},", p.name))));
     w.line("];");
-    for (code, text) in interface.texts.iter().enumerate() {
+    let (other, ty) = (interface.other_texts(), Rust.ty(interface.codes.ty()));
+    for text in &interface.texts {
         w.line("");
-        w.comment("///", &format!("The text {:?}, where an input is a text. Any other text is 0.", text.text));
-        w.line(&format!("pub const {}: u32 = {};", text.name, code + 1));
+        w.comment("///", &format!("The text {:?}, where an input is a text. Any other text {other}.", text.text));
+        w.line(&format!("pub const {}: {ty} = {};", text.name, text.code));
     }
     w.line("");
 }
@@ -150,7 +156,7 @@ fn inputs(w: &mut Writer<'_, Rust>, interface: &Interface) {
     w.inside(|w| {
         for member in &interface.members {
             w.comment("///", &member.doc);
-            w.line(&format!("pub {}: {},", member.name, Rust.ty(member.ty())));
+            w.line(&format!("pub {}: {},", member.name, Rust.ty(member.ty)));
             if let Some(has) = &member.has {
                 w.line("/// Whether that came.");
                 w.line(&format!("pub {has}: bool,"));
@@ -159,7 +165,24 @@ fn inputs(w: &mut Writer<'_, Rust>, interface: &Interface) {
     });
     w.line("}");
     w.line("");
-    arrays::rust(w, interface);
+    setters(w, interface);
+}
+
+/// Functions that take what is no number, and work out what the specification asks of it.
+fn setters(w: &mut Writer<'_, Rust>, interface: &Interface) {
+    if interface.asked().next().is_none() && interface.objects.is_empty() {
+        return;
+    }
+    w.line("impl Inputs {");
+    w.inside(|w| {
+        wholes::rust(w, interface);
+        if interface.asked().next().is_some() && !interface.objects.is_empty() {
+            w.line("");
+        }
+        objects::rust(w, interface);
+    });
+    w.line("}");
+    w.line("");
 }
 
 /// Names are the specification's, in whatever case.
