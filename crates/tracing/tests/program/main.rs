@@ -3,6 +3,7 @@
 mod robot;
 mod support;
 
+mod beside;
 mod calls;
 mod deadlines;
 mod filters;
