@@ -6,6 +6,7 @@ mod support;
 mod beside;
 mod calls;
 mod deadlines;
+mod fields;
 mod filters;
 mod handlers;
 #[cfg(feature = "log")]
