@@ -36,6 +36,17 @@ const PROPERTIES: [(&str, &str, &[&str]); 6] = [
     ),
 ];
 
+/// Properties that read a signal as well.
+const WITH_SIGNAL: [(&str, &str); 4] = [
+    ("near_at_kick", "for each r of kick.robot: whenever kick, near"),
+    ("near_since_turn", "for each r of kick.robot: whenever kick, near since turn"),
+    ("turns_near", "for each r of kick.robot: whenever kick, eventually within 1000 s (turn and near)"),
+    ("never_far", "for each r of kick.robot: always (once kick implies near)"),
+];
+
+/// Rows of a measurement.
+const ROWS: u32 = 200;
+
 /// How often each robot does all of it at a measurement, and how often that is measured.
 const TURNS: usize = 8;
 const ROUNDS: usize = 5;
@@ -49,6 +60,43 @@ fn main() {
             println!("{name:<20} {robots:>8} {bytes:>12} {nanos:>12.0}");
         }
     }
+    println!("\n{:<20} {:>8} {:>12} {:>12}", "with a signal", "robots", "bytes each", "ns a row");
+    for (name, property) in WITH_SIGNAL {
+        for robots in [1, 1_000, most] {
+            let (bytes, nanos) = cost_of_rows(&program(&format!("property {name}: {property}\n")), robots);
+            println!("{name:<20} {robots:>8} {bytes:>12} {nanos:>12.0}");
+        }
+    }
+}
+
+/// Bytes an instance, and nanoseconds of a row that turns the signal.
+fn cost_of_rows((program, names): &(Program, Vec<String>), robots: u32) -> (i64, f64) {
+    let mut state = State::new(program);
+    let at = std::cell::Cell::new(1_700_000_000_000_000_000);
+    let tell = |state: &mut State, what: What<'_>| {
+        at.set(at.get() + 100);
+        state.feed(program, Sample { time: Time(at.get()), what }, &mut ());
+    };
+    let row = |state: &mut State, near: bool| tell(state, What::Row { cells: &[Value::Bool(near)] });
+    row(&mut state, true);
+    let act = |state: &mut State, robots: std::ops::Range<u32>| {
+        for name in ["turn", "kick", "turn"] {
+            let Some(event) = names.iter().position(|known| known == name) else { continue };
+            for robot in robots.clone() {
+                let values = [Value::Num(f64::from(robot))];
+                tell(state, What::Event { event, values: &values });
+            }
+        }
+    };
+    act(&mut state, 0..1);
+    let bytes = measure(|| act(&mut state, 1..robots + 1)).bytes_current / i64::from(robots);
+    let mut least = f64::INFINITY;
+    for _ in 0..ROUNDS {
+        let start = Instant::now();
+        (0..ROWS).for_each(|n| row(&mut state, n % 2 == 1));
+        least = least.min(start.elapsed().as_secs_f64() * 1e9 / f64::from(ROWS));
+    }
+    (bytes, least)
 }
 
 /// Bytes an instance and nanoseconds an event.
@@ -94,7 +142,8 @@ fn program(property: &str) -> (Program, Vec<String>) {
     let file = sources.add("bench.rv", &*text);
     let loaded = load(&mut sources, lapwing_syntax::parse(file, &text).file, &|_| None);
     let events = EVENTS.map(String::from).to_vec();
-    let checked = check(&sources, &loaded, Some(&TraceShape { schemaless: true, events, ..TraceShape::default() }));
+    let shape = TraceShape { schemaless: true, events, columns: vec!["near".to_owned()], ..TraceShape::default() };
+    let checked = check(&sources, &loaded, Some(&shape));
     assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
     (compile(&checked.spec), checked.spec.events.iter().map(|event| event.name.clone()).collect())
 }

@@ -178,16 +178,12 @@ impl Move {
         before.checked_add(self.wait).unwrap_or(i64::MAX).min(if self.afresh { i64::MAX } else { alarm })
     }
 
-    /// What has to be remembered of it.
+    /// What has to be remembered of it: sets the stamps of operators, and gives those whose operand holds.
     #[inline(always)]
-    pub fn leave_marks(&self, latest: &mut Latest, before: i64) {
-        latest.holding[0] = self.holding;
-        for i in bits(self.ends) {
-            latest.stamps[i] = before;
-        }
-        for i in bits(self.breaks) {
-            latest.stamps[i] = NEVER;
-        }
+    pub fn leave_marks(&self, before: i64, mut set: impl FnMut(usize, i64)) -> u64 {
+        bits(self.ends).for_each(|i| set(i, before));
+        bits(self.breaks).for_each(|i| set(i, NEVER));
+        self.holding
     }
 }
 

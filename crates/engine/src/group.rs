@@ -142,7 +142,7 @@ impl Core {
         }
     }
 
-    /// An instant of a group that idles: where what was due comes to what it was, it does so on.
+    /// An instant of a group that idles: where what is heard of what was due comes to what it was, it does so on.
     #[inline(never)]
     fn step_idle(
         &mut self,
@@ -156,7 +156,8 @@ impl Core {
         let word = self.walk.word();
         self.walk.pass_over(when.before);
         self.walk.run(automaton, here(plan, inputs, when.now, &self.key), due);
-        if self.walk.word() != word || self.spoilt_by != self.walk.faults.len() {
+        let is_same = (word ^ self.walk.word()) & plan.heard == 0;
+        if !is_same || self.spoilt_by != self.walk.faults.len() {
             self.make_up_idle(plan, when.number, when.before);
             self.stepped = when.number + 1;
             self.spoil(plan);
@@ -202,7 +203,7 @@ impl Core {
         tell: &mut impl Observer,
     ) -> Option<i64> {
         let glided = self.walk.glide(automaton, letter, now, before)?;
-        if (glided.from ^ glided.to) & plan.verdicts != 0 {
+        if (glided.from ^ glided.to) & plan.heard != 0 {
             self.turn(plan, inputs, When { now, number, before }, glided.from, tell);
         }
         Some(glided.quiet_until)
@@ -220,7 +221,7 @@ impl Core {
         let word = self.walk.word();
         self.walk.pass_over(when.before);
         self.walk.run(automaton, here(plan, inputs, when.now, &self.key), due);
-        let is_same = (word ^ self.walk.word()) & plan.verdicts == 0;
+        let is_same = (word ^ self.walk.word()) & plan.heard == 0;
         if !is_same || self.spoilt_by != self.walk.faults.len() {
             self.turn(plan, inputs, when, word, tell);
         }
@@ -277,7 +278,8 @@ impl Core {
             self.judge(plan, inputs, now, tell);
         } else {
             self.decide(plan, inputs, now, limit, tell);
-            self.idles = plan.idles && before == Some(self.walk.word()) && self.is_still();
+            let is_same = before.is_some_and(|before| (before ^ self.walk.word()) & plan.heard == 0);
+            self.idles = plan.idles && is_same && self.is_still();
         }
     }
 

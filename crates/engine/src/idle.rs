@@ -5,7 +5,7 @@
 //! and made up for when something is due again.
 
 use crate::group::Core;
-use crate::program::{At, Bound, FutureKind, Group, LookKind};
+use crate::program::{At, Bound, ContextKind, FutureKind, Group, Judged, LookKind};
 
 impl Group {
     /// Whether it may idle at all: nothing in it depends on how long its segments have lasted, or runs at every position.
@@ -14,6 +14,40 @@ impl Group {
         let is_wired = self.at.wiring.as_ref().is_some_and(|wiring| wiring.restless == 0);
         let steady = self.trackers.iter().all(|t| matches!(t.at, At::First | At::All));
         !self.is_plain() && untimed && is_wired && steady && self.looks_stand_still() && self.futures_stand_still()
+    }
+
+    /// The operators whose truth values anything above them asks for, as bits: while these stay, a position does what the one before it did.
+    pub(crate) fn heard(&self) -> u64 {
+        let trackers = self.trackers.iter().filter_map(|tracker| match tracker.formula {
+            Judged::State(formula) => Some(formula),
+            Judged::Future(_) => None,
+        });
+        let contexts = self.contexts.iter().flat_map(|context| match context.kind {
+            ContextKind::Whole => [None, None],
+            ContextKind::After { x } | ContextKind::Until { x, .. } | ContextKind::While { x } => [Some(x), None],
+            ContextKind::AfterUntil { x, y } => [Some(x), Some(y)],
+        });
+        let looks = self.looks.iter().flat_map(|look| match look.kind {
+            LookKind::Where { x, .. }
+            | LookKind::Unless { x, .. }
+            | LookKind::FirstWith { x, .. }
+            | LookKind::Runs { x, .. } => [Some(x), None],
+            LookKind::Opens { x, y, .. } => [Some(x), Some(y)],
+            LookKind::Within(_)
+            | LookKind::First
+            | LookKind::From { .. }
+            | LookKind::Next { .. }
+            | LookKind::Same { .. }
+            | LookKind::Proves { .. } => [None, None],
+        });
+        let futures = self.futures.iter().flat_map(|future| match future.kind {
+            FutureKind::State(of) => [Some(of), None, future.asked],
+            FutureKind::Until(_, left, right) => [Some(left), Some(right), future.asked],
+            // What else there is stands on nodes, or does not idle.
+            _ => [None, None, future.asked],
+        });
+        let all = trackers.chain(contexts.flatten()).chain(looks.flatten()).chain(futures.flatten());
+        all.fold(0, |heard, bit| heard | 1_u64.checked_shl(bit.register() as u32).unwrap_or(0))
     }
 
     fn looks_stand_still(&self) -> bool {

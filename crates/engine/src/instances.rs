@@ -16,9 +16,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::automaton::{Automaton, Place};
 use crate::earliest::Earliest;
-use crate::group::Core;
+use crate::group::{Core, When};
 use crate::inputs::{Due, Inputs};
 use crate::keys::Keys;
+use crate::lanes::{Lanes, Shared};
 use crate::pack::{Pack, Packer, Unpacker};
 use crate::past::NOW;
 use crate::program::{Group, Positions};
@@ -38,6 +39,8 @@ pub(crate) struct Instances {
     /// Of what reads signals: until when each of those on the shelf lies still, if no event concerns it and no signal changes; `None` where all have to
     /// be visited at every instant.
     still: Option<Earliest>,
+    /// What the automaton moves of those that are packed.
+    lanes: Option<Lanes>,
     /// Those that count as instances, in the order in which their values were seen.
     seen: Vec<u32>,
     pub(crate) too_many: bool,
@@ -81,6 +84,7 @@ impl Instances {
             keys: Keys::new(plan.at.slices.len()),
             deadlines: Earliest::default(),
             still: (plan.at.alphabet.is_none() && (plan.rests || plan.idles)).then(Earliest::default),
+            lanes: Lanes::new(plan),
             seen: Vec::new(),
             too_many: false,
             automaton: Automaton::default(),
@@ -94,7 +98,7 @@ impl Instances {
             let mut bytes = Box::default();
             // Where nobody lies still packing would cost time at every instant.
             let may_lie = plan.at.alphabet.is_some() || new.still.is_some();
-            let is_packed = may_lie && new.packer.pack(&new.core, &mut bytes);
+            let is_packed = may_lie && put_away(0, &mut new.core, (&mut new.packer, &mut bytes), &mut new.lanes);
             new.shelf.push(if is_packed { Kept::Packed(bytes) } else { Kept::Whole(Box::new(new.core.clone())) });
         }
         new
@@ -123,17 +127,17 @@ impl Instances {
     #[inline]
     pub fn for_each_concerned(
         &mut self,
-        at: &Positions,
+        plan: &Group,
         inputs: &Inputs,
-        (now, due): (i64, Due),
+        (due, when): (Due, When),
         mut step: impl FnMut(&mut Core, &mut Automaton),
     ) {
         if self.shelf.is_empty() {
             return step(&mut self.core, &mut self.automaton);
         }
-        let is_known = self.find_concerned(at, inputs);
+        let is_known = self.find_concerned(&plan.at, inputs);
         if self.still.is_some() {
-            return self.for_each_restless(is_known, (now, due), step);
+            return self.for_each_restless((plan, is_known), (due, when), step);
         }
         if !is_known {
             return self.for_each(step);
@@ -144,44 +148,70 @@ impl Instances {
     }
 
     /// Calls with those that do not lie still: everybody where a signal changed, those whose bounds run out, those whom an event concerns, and
-    /// those whom one concerned just before, for it is over now.
+    /// those whom one concerned just before, for it is over now. Of those whom nothing but a signal makes do something, the first is
+    /// stepped; who makes a move that is known then, and changes nothing that is heard, glides.
     fn for_each_restless(
         &mut self,
-        is_known: bool,
-        (now, due): (i64, Due),
+        (plan, is_known): (&Group, bool),
+        (due, when): (Due, When),
         mut step: impl FnMut(&mut Core, &mut Automaton),
     ) {
+        let now = when.now;
         let concerned = core::mem::take(&mut self.concerned);
         let all = due.ops != 0 || !is_known;
+        let mask = self.lanes.as_ref().filter(|_| is_known).and_then(|_| Shared::mask(plan, due.ops));
+        let mut shared = None;
         let mut events = concerned.iter().map(|&number| number as usize).peekable();
         let mut next = 0;
         while next < self.shelf.len() {
             let restless = if all { Some(next) } else { self.still.as_ref().and_then(|s| s.next_until(next, now)) };
             let Some(number) = restless.into_iter().chain(events.peek().copied()).min() else { break };
+            next = number + 1;
+            let is_concerned = events.next_if_eq(&number).is_some() || !is_known;
+            if !is_concerned && self.glide(number, plan, shared, when) {
+                continue;
+            }
             let until = self.visit(number, |core, automaton| {
+                let remarks = core.walk.remarks();
                 step(core, automaton);
+                // What there is to remark is to be remarked of each.
+                let mask = mask.filter(|_| core.walk.remarks() == remarks);
+                shared = shared.or(mask.and_then(|mask| Shared::of(mask, &core.walk, now)));
                 core.rests_until()
             });
-            let is_concerned = events.next_if_eq(&number).is_some() || !is_known;
             if is_concerned || until <= now {
                 self.lies_until(number, NOW);
             } else {
                 self.lies_until(number, until);
                 self.pack_again(number);
             }
-            next = number + 1;
         }
         self.concerned = concerned;
     }
 
+    /// Lets one that lies still make its move, where the signals are known to be shared, and the move needs no look at the rest of it.
+    #[inline]
+    fn glide(&mut self, number: usize, plan: &Group, shared: Option<Shared>, when: When) -> bool {
+        let Instances { shelf, still, lanes, places, automaton, .. } = self;
+        let (Some(shared), Some(alphabet)) = (shared, plan.alphabet()) else { return false };
+        let (Some(Kept::Packed(_)), Some(place)) = (shelf.get(number), places.get_mut(number)) else { return false };
+        let (Some(still), Some(lanes)) = (still, lanes) else { return false };
+        if still.of(number).is_none_or(|until| until <= when.now) {
+            return false;
+        }
+        let times = (when.now, when.before);
+        let until = lanes.glide(number, (place, automaton), (alphabet, plan.heard), shared, times);
+        until.map(|until| still.set(number, Some(until))).is_some()
+    }
+
     /// What had too much open to be packed may have little by now.
     fn pack_again(&mut self, number: usize) {
-        let Instances { shelf, places, packer, .. } = self;
+        let Instances { shelf, places, packer, lanes, .. } = self;
         let Some(kept) = shelf.get_mut(number) else { return };
         let mut bytes = Box::default();
         if let Kept::Whole(core) = kept
             && core.margins.is_none()
-            && packer.pack(&**core, &mut bytes)
+            && put_away(number, core, (packer, &mut bytes), lanes)
         {
             if places.len() <= number {
                 places.resize(number + 1, Place::default());
@@ -241,7 +271,7 @@ impl Instances {
         for &number in &self.seen {
             let core = match self.shelf.get(number as usize) {
                 Some(Kept::Packed(bytes)) => {
-                    bench.unpack(&mut Unpacker::new(bytes));
+                    fetch(number as usize, &mut bench, bytes, self.lanes.as_ref());
                     &bench
                 }
                 Some(Kept::Whole(core)) => core,
@@ -260,11 +290,11 @@ impl Instances {
     /// Calls with one on the shelf.
     #[inline]
     fn visit<R>(&mut self, number: usize, step: impl FnOnce(&mut Core, &mut Automaton) -> R) -> R {
-        let Instances { core: bench, shelf, keys, places, automaton, packer, deadlines, .. } = self;
+        let Instances { core: bench, shelf, keys, places, automaton, packer, deadlines, lanes, .. } = self;
         let kept = &mut shelf[number];
         let core = match kept {
             Kept::Packed(bytes) => {
-                bench.unpack(&mut Unpacker::new(bytes));
+                fetch(number, bench, bytes, lanes.as_ref());
                 bench.walk.place = places.get(number).copied().unwrap_or_default();
                 &mut *bench
             }
@@ -280,7 +310,7 @@ impl Instances {
                 places.resize(number + 1, Place::default());
             }
             places[number] = bench.walk.place;
-            if bench.margins.is_some() || !packer.pack(bench, bytes) {
+            if bench.margins.is_some() || !put_away(number, bench, (packer, bytes), lanes) {
                 *kept = Kept::Whole(Box::new(bench.clone()));
                 bench.margins = None;
             }
@@ -367,6 +397,7 @@ impl Instances {
                 margins.share(number + 1);
             }
             self.shelf.push(kept);
+            self.lanes.iter_mut().for_each(|lanes| lanes.add_like(template, number));
             self.keys.add_like(template, i, value);
             self.deadlines.set(number, self.deadlines.of(template));
             self.lies_until(number, NOW);
@@ -385,4 +416,23 @@ impl Instances {
             None => concerned.extend((0..shelf.len() as u32).filter(|&number| keys.has(number as usize, i, value))),
         }
     }
+}
+
+/// Unpacks one.
+#[inline]
+fn fetch(number: usize, core: &mut Core, bytes: &[u8], lanes: Option<&Lanes>) {
+    core.unpack(&mut Unpacker::new(bytes));
+    lanes.into_iter().for_each(|lanes| lanes.give(number, &mut core.walk));
+}
+
+/// Packs one; its lane has what is not in its bytes. Returns whether it could; else it is as it was.
+#[inline]
+fn put_away(number: usize, core: &mut Core, to: (&mut Packer, &mut Box<[u8]>), lanes: &mut Option<Lanes>) -> bool {
+    let (packer, bytes) = to;
+    lanes.iter_mut().for_each(|lanes| lanes.take(number, &mut core.walk));
+    let fits = packer.pack(core, bytes);
+    if !fits {
+        lanes.iter().for_each(|lanes| lanes.give(number, &mut core.walk));
+    }
+    fits
 }

@@ -40,6 +40,7 @@ mod instances;
 mod intake;
 mod judge;
 mod keys;
+mod lanes;
 mod latest;
 mod looks;
 mod machine;

@@ -305,7 +305,7 @@ impl Piece {
                 // Of the instances only those were asked that this instant concerns.
                 let is_sliced = !plan.at.slices.is_empty();
                 *calm = if is_sliced { NOW } else { i64::MAX };
-                instances.for_each_concerned(&plan.at, &self.inputs, (now, due), |core, automaton| {
+                instances.for_each_concerned(plan, &self.inputs, (due, when), |core, automaton| {
                     if is_sliced || due.ops != 0 || now >= core.rests_until() {
                         core.step((plan, automaton), &self.inputs, due, when, program.open_limit, tell);
                     }

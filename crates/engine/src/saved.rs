@@ -11,7 +11,7 @@ use crate::feed::State;
 use crate::program::Program;
 
 /// What the bytes begin with; its last byte is the version of the format.
-const MARK: [u8; 8] = *b"lapwing\x03";
+const MARK: [u8; 8] = *b"lapwing\x04";
 
 /// What the bytes of a program begin with; the last byte is the version of the format.
 const PROGRAM: [u8; 8] = *b"lw-prog\x01";

@@ -5,6 +5,7 @@
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
+use core::cell::Cell;
 
 use serde::{Deserialize, Serialize};
 
@@ -26,13 +27,13 @@ pub(crate) struct Walk {
     /// What the code has computed.
     pub registers: Registers,
     memories: Box<[Memory]>,
-    latest: Latest,
+    pub(crate) latest: Latest,
     /// The stamp of the latest position.
     pub last: Option<i64>,
     /// The operators that are due at the next position, whatever comes.
     again: u64,
     /// The first position with this stamp or a later one makes all timed operators due.
-    alarm: i64,
+    pub(crate) alarm: i64,
     pub notes: Notes,
     /// The operators that met a value of another kind than they need: what they say from then on means nothing.
     pub faults: Vec<usize>,
@@ -165,7 +166,7 @@ impl Walk {
         if now >= quiet_until {
             return None;
         }
-        known.leave_marks(latest, before);
+        latest.holding[0] = known.leave_marks(before, |i, stamp| latest.stamps[i] = stamp);
         (*alarm, *place) = (quiet_until, known.to);
         let from = core::mem::replace(&mut registers.bits[0], known.word);
         Some(Glide { from, to: known.word, quiet_until })
@@ -212,7 +213,7 @@ impl Walk {
         let (over, next) = expired(alphabet, latest, (here.now, before));
         *alarm = next;
         let made = automaton.make(alphabet, &here.at.ops, latest, (old, leaves), over);
-        made.leave_marks(latest, before);
+        latest.holding[0] = made.leave_marks(before, |i, stamp| latest.stamps[i] = stamp);
         (*alarm, *place) = (made.alarm(before, *alarm), made.to);
         made.word
     }
@@ -278,6 +279,11 @@ impl Walk {
                 next => *alarm = (*alarm).min(next),
             }
         }
+    }
+
+    /// How much there was to remark of what was evaluated.
+    pub fn remarks(&self) -> u64 {
+        self.faults.len() as u64 + self.notes.nans.iter().map(Cell::get).sum::<u64>()
     }
 
     /// The truth values of the first sixty-four operators.

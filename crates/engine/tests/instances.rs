@@ -228,7 +228,7 @@ fn instances_that_read_signals_take_as_little() {
 }
 
 /// Formulas over two events with a field and two signals; of some no instance ever lies still.
-const FORMULAS_WITH_SIGNALS: [&str; 11] = [
+const FORMULAS_WITH_SIGNALS: [&str; 15] = [
     "always (play implies battery > 4)",
     "always (battery > 1 or once within 3 s ready)",
     "always (ready.power < 5 implies previously (play or stopped))",
@@ -239,6 +239,10 @@ const FORMULAS_WITH_SIGNALS: [&str; 11] = [
     "after_until ready and ready.power > 4, play, always (battery > 0 or ready.word != \"b\")",
     "always (@{ready.power, -2} > 3 implies battery > 2 or stopped)",
     "always (becomes (not ready) implies battery != 7 since within 5 s play)",
+    "always (ready implies once within 2 s battery > 4)",
+    "always (play implies (battery > 2 since within 4 s ready) or stopped)",
+    "whenever play, battery > 1 or ready",
+    "while stopped, eventually within 3 s (ready or battery < 8)",
     "always 2 > 1",
 ];
 
@@ -256,6 +260,7 @@ fn outcomes_with_signals(text: &str, only: Option<u32>) -> Vec<Outcome> {
                 if n > 2 && next().is_multiple_of(2) { Value::Missing } else { value }
             };
             let (battery, stopped) = ((next() % 9) as f64, next().is_multiple_of(3));
+            let battery = if n > 2 && next().is_multiple_of(16) { f64::NAN } else { battery };
             let cells = [kept(&mut next, battery.into()), kept(&mut next, stopped.into())];
             many.row(state, at, cells);
         }

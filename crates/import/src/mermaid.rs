@@ -476,6 +476,12 @@ impl Reader<'_> {
                 let help = "write a condition in its place, or declare what it stands for";
                 self.report.push(Diagnostic::new(Code::ImportTrigger, span, message).help(help));
             }
+            if let Some(place) = said(&label.given) {
+                let message = "what stands in brackets behind an event does not come along";
+                let span = self.report.span(place.start, place.end);
+                let help = "a time is a bound on staying, `state NAME at most 2 s`; what an event carries are its fields, in a guard";
+                self.report.push(Diagnostic::new(Code::ImportTrigger, span, message).help(help));
+            }
             if let Some(place) = said(&label.action) {
                 let message = "what is done on the way does not come along";
                 let span = self.report.span(place.start, place.end);

@@ -164,21 +164,14 @@ impl Reader<'_> {
             let target = transition.get("target").map(|ids| self.targets(ids, &place));
             let to = target.as_ref().map_or(Some(node), |t| t.first().copied());
             let Some(to) = to else { continue };
-            let when = transition.get("cond").and_then(|cond| self.condition(cond, &place));
-            for (from, trigger) in self.triggers(transition, node) {
+            for (number, (from, trigger)) in self.triggers(transition, node).into_iter().enumerate() {
+                let cond = transition.get("cond").map(|cond| of_event(cond, &trigger));
+                let when = cond.and_then(|cond| self.condition(&cond, (number == 0).then_some(&place)));
                 let stays = target.is_none();
                 // With neither target nor event it is a place for code.
                 if !(stays && trigger == Trigger::Eventless) {
                     let place = place.clone();
-                    self.chart.arrows.push(Arrow {
-                        from,
-                        to,
-                        trigger,
-                        when: when.clone(),
-                        otherwise: false,
-                        stays,
-                        place,
-                    });
+                    self.chart.arrows.push(Arrow { from, to, trigger, when, otherwise: false, stays, place });
                 }
             }
             if self.chart.arrows.len() > MOST_ARROWS {
@@ -187,9 +180,11 @@ impl Reader<'_> {
         }
     }
 
-    fn condition(&mut self, cond: &str, place: &Range<usize>) -> Option<lapwing_syntax::ast::Expr> {
+    /// A condition, at a place where something is said about it.
+    fn condition(&mut self, cond: &str, place: Option<&Range<usize>>) -> Option<lapwing_syntax::ast::Expr> {
         let (when, is_prose) = chart::guard(cond);
-        if is_prose {
+        // What is not seen of an event is no condition either.
+        if let Some(place) = place.filter(|_| is_prose || cond.contains("_event")) {
             let what = when.as_ref().map(lapwing_syntax::print_expr).unwrap_or_default();
             let message = format!("the condition cannot be read: it has become the signal `{what}`");
             let span = self.report.span(place.start, place.end);
@@ -235,5 +230,13 @@ impl Reader<'_> {
             diagnostic = diagnostic.also(self.report.span(place.start, place.end), "nor this");
         }
         self.report.push(diagnostic.help("a specification watches: it sends and computes nothing"));
+    }
+}
+
+/// A condition at an event: what that carries are its fields.
+fn of_event(cond: &str, trigger: &Trigger) -> String {
+    match trigger {
+        Trigger::Event(event) => cond.replace("_event.data.", &format!("{event}.")),
+        _ => cond.to_owned(),
     }
 }

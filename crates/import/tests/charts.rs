@@ -402,3 +402,35 @@ fn states_may_be_called_by_words_of_the_language() {
     let errors = lapwing_syntax::parse(lapwing_syntax::FileId(0), &came.text).diagnostics;
     assert!(errors.is_empty(), "{errors:?}\n{}", came.text);
 }
+
+#[test]
+fn what_an_event_carries_is_its_fields() {
+    let text = "<scxml name='grip'><state id='a'><transition event='slip touch' cond='_event.data.force > 3' target='b'/></state>\
+                <state id='b'><transition cond='_event.name == 1' target='a'/></state></scxml>";
+    let found = check(
+        "grip.scxml",
+        text,
+        expect![[r#"
+            event slip
+            event touch
+
+            machine grip {
+                initial a
+                state a
+                state b
+                a -> b on slip when slip.force > 3
+                a -> b on touch when touch.force > 3
+                b -> a when _event.name == 1
+            }
+        "#]],
+    );
+    assert!(found.starts_with("import-trigger: \"<transition cond='_event.name == 1'"), "{found}");
+}
+
+#[test]
+fn what_stands_in_brackets_behind_an_event_is_said() {
+    let text = "stateDiagram-v2\n    [*] --> a\n    a --> b : timeout(2s)\n    b --> a : stop()\n    b --> a : kick(power) [power > 2] / beep\n";
+    let came = imported("m.mmd", text).sound();
+    assert_eq!(came.found, "import-trigger: \"(2s)\"\nimport-trigger: \"(power)\"\nimport-code: \"/ beep\"\n");
+    assert!(came.text.contains("    b -> a on stop\n    b -> a on kick when power > 2\n"), "{}", came.text);
+}

@@ -392,6 +392,35 @@ fn what_is_wrong_is_said_at_its_place() {
 }
 
 #[test]
+fn what_a_bracket_leaves_open_is_said() {
+    let open = "event d before(Robot r): call(void R.d() && condition(x > 3) {}";
+    let came = imported("m.mop", &monitor(&format!("{ABC}\n{open}"), "ltl: [](a => <> d)"));
+    assert!(came.found.starts_with("import-syntax: \"(\"\nimport-event: \"event d before"), "{}", came.found);
+    assert_eq!(line(&came.text, "event d"), "event d", "nobody knows what would narrow it");
+    let came = imported("m.mop", "M(Robot r) {\nevent a before(): call(void R.a()) { if (x) {}\nltl: [] a\n}\n");
+    assert!(came.found.starts_with("import-syntax: \"{\"\n"), "{}", came.found);
+}
+
+#[test]
+fn a_parameter_is_of_its_class_whatever_that_holds() {
+    let found = "M(Map<String, List<Robot>> m) {\nevent a before(Map<String, List<Robot>> m): call(void Map.a()) && target(m) {}\nltl: [] a\n}\n";
+    let mut sources = lapwing_diag::SourceMap::default();
+    let file = sources.add("m.mop", found);
+    let options = lapwing_import::Options::default();
+    let came = lapwing_import::import(&sources, file, lapwing_import::Format::JavaMop, options);
+    let messages: Vec<&str> = came.diagnostics.iter().map(|d| d.message.as_str()).collect();
+    assert_eq!(messages, ["there is taken to be one `Map`"]);
+}
+
+#[test]
+fn what_a_handler_prints_is_said_not_to_come_along() {
+    let came = imported("m.mop", &monitor(ABC, "ere: a b @match { System.out.println(\"b after a\"); }")).sound();
+    assert!(came.found.contains("import-code: \"match\""), "{}", came.found);
+    let came = imported("m.mop", &monitor(ABC, "ltl: [] a @violation { __RESET; }")).sound();
+    assert!(!came.found.contains("import-code"), "{}", came.found);
+}
+
+#[test]
 fn names_that_are_taken_or_mean_something_are_others() {
     let text = "A(R r) { event next before(): call(void R.next()) {} ltl: [] !next @violation { r.reset(); } }\n\
                 B(R r) { event next before(): call(void R.skip()) {} event A before(): call(void R.a()) {} ltl: [](next => A) }\n\

@@ -44,7 +44,7 @@ impl Fitted {
             shown: shown::everything(spec, &meaning, property),
             positions: Positions::of(&meaning, property),
             latch: latch.clone(),
-            latency: explain::latency(property),
+            latency: explain::latency(&meaning, property),
             topics: hints::topics(&meaning, property),
         };
         let interests = meaning.properties.iter().zip(&latches).map(interest).collect();

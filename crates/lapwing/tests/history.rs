@@ -159,3 +159,16 @@ never gear == high and speed > 9
     // What only asks for its state is no diagram.
     assert_eq!(history.courses[1].diagram, None);
 }
+
+#[test]
+fn a_stay_that_was_too_long_is_shown_from_where_it_began() {
+    let spec = "machine gate {\n    initial shut\n    state open at most 5 s when x > 1\n    state shut when x < 1\n    shut -> open\n    open -> shut\n}\n";
+    // More happens meanwhile than is remembered without a reason.
+    let rows: String = (0..20_000).map(|n| format!("{},{}\n", 2.0 + f64::from(n) / 2000.0, 2 + n % 2)).collect();
+    let (report, history) = noted(spec, &format!("time,x\n0,0\n{rows}"));
+    let violation = &report.properties[0].violations[0];
+    assert_eq!((violation.began.seconds(), violation.failed.seconds()), (2.0, 7.0));
+    let began = violation.began_values.as_ref().expect("the values when it began");
+    assert!(began.iter().any(|r| r.name == "x" && r.value == 2.0.into()), "{began:?}");
+    assert!(history.courses[0].words.ends_with("along an edge that is drawn, and stays in open for at most 5 s"));
+}

@@ -16,7 +16,6 @@ use crate::monitor::{Monitor, Names, Shared};
 use crate::reaction::Reactions;
 use crate::recorder::Recorder;
 use crate::sites::Sites;
-use crate::spans::Spans;
 use crate::wants::{MOST, Wants};
 
 /// A monitor in the making. `C` is the context that handlers get.
@@ -120,7 +119,7 @@ impl<C: Send + Sync + 'static> Builder<C> {
             let thread = std::thread::Builder::new().name("lapwing deadlines".to_owned());
             thread.spawn(move || desk.keep_watch()).map_err(BuildError::NoThread)?;
         }
-        Ok(Monitor::new(Shared { desk, sites: Sites::new(wants), spans: Spans::default(), names, assumed }))
+        Ok(Monitor::new(Shared { desk, sites: Sites::new(wants), names, assumed }))
     }
 
     /// The monitor, watching the whole program: [`Monitor::install`].

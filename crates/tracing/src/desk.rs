@@ -15,6 +15,7 @@ use lapwing_check::checked::Action;
 use lapwing_react::{Report, Warning};
 use lapwing_stream::{Duration, Sample, Time, Value, What};
 
+use crate::aside::aside;
 use crate::clock::Clock;
 use crate::handlers::Violation;
 use crate::reaction::{Done, Reactions};
@@ -291,7 +292,7 @@ impl Desk {
     /// Runs the host's code, one level deeper; a panic of it ends here.
     fn guarded(&self, who: &str, work: impl FnOnce()) {
         DEPTH.set(DEPTH.get() + 1);
-        let ended = catch_unwind(AssertUnwindSafe(work));
+        let ended = aside(|| catch_unwind(AssertUnwindSafe(work)));
         DEPTH.set(DEPTH.get().saturating_sub(1));
         if let Err(panic) = ended {
             warn(&mut self.lock(), format!("{who} panicked: {}", words(&*panic)));

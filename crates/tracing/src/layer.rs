@@ -13,11 +13,13 @@ use crate::monitor::Shared;
 use crate::scratch::{ERROR, RESULT, Scratch, Take, TakeReturn};
 use crate::site::{Passing, Returned, Site, Source, is_below};
 use crate::sites::Entry;
-use crate::spans::Note;
+use crate::spans::{Note, Spans};
 
 /// Hears what `tracing` is told: see [`Monitor::layer`](crate::Monitor::layer).
 pub struct MonitorLayer {
     shared: Arc<Shared>,
+    /// Its own: beneath another subscriber other spans have the same numbers.
+    spans: Spans,
 }
 
 /// Asks for no more than the specification reads.
@@ -46,7 +48,7 @@ impl<S> Filter<S> for MonitorFilter {
 
 impl MonitorLayer {
     pub(crate) fn new(shared: Arc<Shared>) -> MonitorLayer {
-        MonitorLayer { shared }
+        MonitorLayer { shared, spans: Spans::default() }
     }
 
     /// A span begins: it is noted for what happens inside it, then what its beginning says arrives.
@@ -60,21 +62,30 @@ impl MonitorLayer {
             if let Some(plan) = &site.span {
                 let carries = self.shared.sites.wants().carries();
                 let outer = site.asks_around.then(|| ancestors(context.span(id))).into_iter().flatten();
-                self.shared.spans.begin(id.into_u64(), carries, outer, |note| {
+                self.spans.begin(id.into_u64(), carries, outer, |note| {
                     note.take(scratch.values().get(plan.carried.clone()).unwrap_or_default());
                     (note.site, note.inside) = (Some(site.clone()), note.around | plan.bits);
                     below = note.around;
                     inherit(site, note, scratch);
                 });
             } else if site.asks_around {
-                self.shared.spans.first(ancestors(context.span(id)), |note| {
-                    below = note.inside;
-                    inherit(site, note, scratch);
-                });
+                below = self.look_around(context.span(id), site, scratch);
             }
             let passing = Passing { values: scratch.values(), below, begins: true };
             self.shared.pass(Bringer::Subscriber, site, passing);
         });
+    }
+
+    /// What the spans around one give to what it says, where it is none of those that are noted itself. Gives the functions that it is below.
+    fn look_around<'a, S>(&self, span: Option<SpanRef<'a, S>>, site: &Site, scratch: &mut Scratch) -> u64
+    where
+        S: for<'l> LookupSpan<'l>,
+    {
+        let look = |note: &Note| {
+            inherit(site, note, scratch);
+            note.inside
+        };
+        self.spans.first(ancestors(span), look).unwrap_or(0)
     }
 
     fn event<S>(&self, site: &Site, event: &Event<'_>, context: &Context<'_, S>)
@@ -86,7 +97,7 @@ impl MonitorLayer {
             let mut below = 0;
             if site.asks_around {
                 let around = context.event_scope(event).into_iter().flatten().map(|span| span.id().into_u64());
-                self.shared.spans.first(around, |note| {
+                self.spans.first(around, |note| {
                     below = note.inside;
                     inherit(site, note, scratch);
                 });
@@ -102,7 +113,7 @@ impl MonitorLayer {
         S: Subscriber + for<'a> LookupSpan<'a>,
     {
         let Some(id) = context.event_span(event).map(|span| span.id().into_u64()) else { return };
-        let spans = &self.shared.spans;
+        let spans = &self.spans;
         // An inner function whose return nobody wants has no span here, but stands elsewhere.
         let metadata = event.metadata();
         let is_own = |site: &Arc<Site>| site.origin.is_at(metadata.file(), metadata.line());
@@ -196,13 +207,15 @@ where
         Scratch::with(site.width, |scratch| {
             values.record(&mut Take { site: &site, into: scratch });
             let mut below = 0;
-            self.shared.spans.change(id.into_u64(), |note| {
-                if let Some(plan) = &site.span {
+            if let Some(plan) = &site.span {
+                self.spans.change(id.into_u64(), |note| {
                     note.take(scratch.values().get(plan.carried.clone()).unwrap_or_default());
-                }
-                below = note.inside;
-                inherit(&site, note, scratch);
-            });
+                    below = note.inside;
+                    inherit(&site, note, scratch);
+                });
+            } else if site.asks_around {
+                below = self.look_around(context.span(id), &site, scratch);
+            }
             let passing = Passing { values: scratch.values(), below, begins: false };
             self.shared.pass(Bringer::Subscriber, &site, passing);
         });
@@ -216,14 +229,21 @@ where
         }
     }
 
+    /// A panic leaves a function here, also where somebody catches it and lets go of the function's span later.
+    fn on_exit(&self, id: &span::Id, _: Context<'_, S>) {
+        if std::thread::panicking() {
+            self.spans.change(id.into_u64(), |note| note.has_panicked = note.ends_by_panic());
+        }
+    }
+
     /// The end of a function that did not record what it returned is its return, unless a panic ends it.
     fn on_close(&self, id: span::Id, _context: Context<'_, S>) {
-        let Some(note) = self.shared.spans.end(id.into_u64()) else { return };
+        let Some(note) = self.spans.end(id.into_u64()) else { return };
         let site = note.site.clone().filter(|site| site.span.as_ref().is_some_and(|s| !s.returns.is_empty()));
-        if let Some(site) = site.filter(|_| !note.has_returned && !std::thread::panicking()) {
+        if let Some(site) = site.filter(|_| !note.has_returned && !note.ends_by_panic()) {
             site.origin.note_end_without_return();
             self.tell_return(&site, |_| {}, |look| look(&note));
         }
-        self.shared.spans.recycle(id.into_u64(), note);
+        self.spans.recycle(id.into_u64(), note);
     }
 }

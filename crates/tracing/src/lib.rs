@@ -37,7 +37,8 @@
 //!
 //! The way of an event: the plan of its call site is worked out when that registers (`wants`, `sites`, `site`). When it is passed, the `layer`
 //! takes the values that the plan asks for (`scratch`, `literal`) and what the `spans` around it hand on. It arrives at the `desk`, where
-//! it gets its stamp and is stepped; what it violates is answered (`reaction`, `handlers`) before the program goes on.
+//! it gets its stamp and is stepped; what it violates is answered (`reaction`, `handlers`) before the program goes on,
+//! and before the other layers do (`aside`).
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -55,6 +56,7 @@ mod sites;
 mod spans;
 mod wants;
 
+mod aside;
 mod desk;
 mod reaction;
 mod recorder;

@@ -18,7 +18,6 @@ use crate::layer::{MonitorFilter, MonitorLayer};
 use crate::scratch::Scratch;
 use crate::site::{Passing, Site};
 use crate::sites::Sites;
-use crate::spans::Spans;
 use crate::wants::field_name;
 
 /// A specification at work inside the program. Clones are the same monitor.
@@ -48,7 +47,6 @@ pub struct Monitor {
 pub(crate) struct Shared {
     pub desk: Arc<Desk>,
     pub sites: Sites,
-    pub spans: Spans,
     pub names: Names,
     /// Functions and fields that are there, even if they are never reached.
     pub assumed: BTreeSet<String>,

@@ -44,12 +44,17 @@ pub(crate) struct Note {
     has: u64,
     /// Whether its return was recorded.
     pub has_returned: bool,
+    /// Whether its thread was panicking already when it began: it clears up, and ends as any other.
+    clears_up: bool,
+    /// Whether a panic has left it.
+    pub has_panicked: bool,
 }
 
 impl Note {
     /// Nothing is around.
     fn clear(&mut self, carries: usize) {
-        (self.site, self.around, self.inside, self.has_returned, self.has) = (None, 0, 0, false, 0);
+        (self.site, self.around, self.inside, self.has) = (None, 0, 0, 0);
+        (self.has_returned, self.has_panicked, self.clears_up) = (false, false, std::thread::panicking());
         self.carried.resize_with(carries, Value::default);
     }
 
@@ -62,6 +67,11 @@ impl Note {
     /// Its own fields come before those around it.
     pub fn take(&mut self, own: &[Value]) {
         own.iter().enumerate().for_each(|(number, value)| self.set(number, value));
+    }
+
+    /// Whether it is a panic that ends it, where it ends now on this thread.
+    pub fn ends_by_panic(&self) -> bool {
+        self.has_panicked || (!self.clears_up && std::thread::panicking())
     }
 
     fn set(&mut self, number: usize, value: &Value) {

@@ -45,7 +45,7 @@ impl GroupLowering {
             margins: self.margins,
             rests: false,
             idles: false,
-            verdicts: 0,
+            heard: 0,
         }
     }
 

@@ -31,9 +31,10 @@ pub struct Group {
     /// [`Program::link`](super::Program::link) fills it.
     #[serde(skip)]
     pub idles: bool,
-    /// The operators whose truth values are verdicts, as bits, where it rests. [`Program::link`](super::Program::link) fills it.
+    /// The operators whose truth values obligations, segments and looks stand on, as bits, where it rests or idles.
+    /// [`Program::link`](super::Program::link) fills it.
     #[serde(skip)]
-    pub verdicts: u64,
+    pub heard: u64,
 }
 
 impl Group {

@@ -47,7 +47,7 @@ impl Skim {
         let each: Vec<Due> = slots.iter().map(due).collect();
         let count = if each.len() <= FEW { 1 << each.len() } else { 0 };
         let sets = (0..count).map(|set| of_set(&each, set)).collect();
-        Some(Skim { each, sets, verdicts: group.verdicts })
+        Some(Skim { each, sets, verdicts: group.heard })
     }
 
     /// Whether the verdicts are the same where the registers hold these words.

@@ -6,7 +6,7 @@ use crate::latest::over;
 
 use super::cuts::{Cut, constant, cuts};
 use super::skim::Skim;
-use super::{At, Group, Judged, Node, NodeId, Op, Positions, Program, Slot, Tracker};
+use super::{At, Group, Node, NodeId, Op, Positions, Program, Slot};
 
 /// So many operators have a bit each. Where there are more, all of them run at every position.
 const BITS: usize = u64::BITS as usize;
@@ -112,7 +112,7 @@ impl Program {
             group.at.wiring = wired.map(|w| w.wiring);
             group.rests = group.may_rest();
             group.idles = group.may_idle();
-            group.verdicts = if group.rests { group.verdicts() } else { 0 };
+            group.heard = if group.rests || group.idles { group.heard() } else { 0 };
         }
         self.slots.iter_mut().for_each(|slot| slot.cuts.sort_by(|a, b| a.at.total_cmp(&b.at)));
         self.skim = Skim::of(self);
@@ -131,15 +131,6 @@ impl Group {
     #[inline]
     pub(crate) fn alphabet(&self) -> Option<&Alphabet> {
         self.at.wiring.as_ref()?.alphabet.as_ref()
-    }
-
-    /// The operators that trackers judge, of those that have a bit.
-    fn verdicts(&self) -> u64 {
-        let of = |tracker: &Tracker| match tracker.formula {
-            Judged::State(formula) => 1_u64.checked_shl(formula.register() as u32).unwrap_or(0),
-            Judged::Future(_) => 0,
-        };
-        self.trackers.iter().fold(0, |all, tracker| all | of(tracker))
     }
 
     /// Whether anything happens to it by the mere passing of time, beside that operators become due.

@@ -27,6 +27,8 @@ pub(crate) struct Label {
     pub otherwise: bool,
     /// A guard in prose, which has become a name; its place in the label.
     pub prose: Option<Range<usize>>,
+    /// What stands in brackets behind the event, `timeout(2 s)`; its place in the label.
+    pub given: Option<Range<usize>>,
     /// What is done on the way; its place in the label.
     pub action: Option<Range<usize>>,
 }
@@ -137,8 +139,14 @@ fn drawn(text: &str) -> Label {
     {
         return Label { when: Some(when), action, ..Label::default() };
     }
+    let start = text.find(event).unwrap_or(0);
     let name = event.split('(').next().unwrap_or(event);
-    Label { on: Some(slug(if name.trim().is_empty() { event } else { name })), action, ..guarded }
+    let (name, given) = match name.trim().is_empty() {
+        true => (event, None),
+        false => (name, Some(start + name.len()..start + event.len())),
+    };
+    let given = given.filter(|g| text.get(g.clone()).is_some_and(|t| t.contains(|c: char| c.is_alphanumeric())));
+    Label { on: Some(slug(name)), given, action, ..guarded }
 }
 
 fn guarded(text: &str, at: usize) -> Label {

@@ -89,6 +89,20 @@ impl<'t> Cursor<'t> {
         Some(self.part(start, self.at))
     }
 
+    /// The first bracket of what is left that nobody closes.
+    pub(crate) fn unclosed(&self, open: &str, close: &str) -> Option<Range<usize>> {
+        let mut opened = Vec::new();
+        for token in self.rest() {
+            let word = self.text.get(token.range());
+            if word == Some(open) {
+                opened.push(token.range());
+            } else if word == Some(close) {
+                opened.pop();
+            }
+        }
+        opened.into_iter().next()
+    }
+
     /// What stands before the first token for which that is so; the cursor stands at that then.
     pub(crate) fn until(&mut self, ends: impl Fn(&Cursor<'t>) -> bool) -> Cursor<'t> {
         let start = self.at;

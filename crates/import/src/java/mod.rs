@@ -37,6 +37,7 @@ use ast::{Block, Handler, Parameter, Spec};
 use automaton::Automaton;
 use cursor::{Cursor, Name};
 use event::Meant;
+use lexer::Kind;
 
 /// Monitors of a file, and events of a monitor, beyond which nothing is read.
 const MOST_MONITORS: usize = 64;
@@ -438,6 +439,11 @@ impl<'s, 't> Monitor<'s, 't> {
                 })
                 .collect();
             let help = format!("register it in the program under the name {}", runs.join(", "));
+            report.push(Diagnostic::new(Code::ImportCode, span, message).help(help));
+        } else if handler.body.rest().iter().any(|token| token.kind == Kind::Text) {
+            let span = report.span(handler.name.place.start, handler.name.place.end);
+            let message = format!("what `@{}` prints does not come along", handler.name.text);
+            let help = "a report says of each violation what it was and where";
             report.push(Diagnostic::new(Code::ImportCode, span, message).help(help));
         }
         if !read.actions.is_empty() {

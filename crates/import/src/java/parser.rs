@@ -1,5 +1,7 @@
 //! From tokens to monitors.
 
+use std::ops::Range;
+
 use lapwing_diag::{Code, Diagnostic};
 
 use super::ast::{Atom, Block, Event, Handler, Parameter, Pointcut, Side, Spec};
@@ -69,6 +71,11 @@ fn wrong(report: &mut Report, cursor: &Cursor<'_>, expected: &str) -> Diagnostic
     )
 }
 
+/// A bracket that is not closed.
+fn unclosed(report: &Report, open: Range<usize>, what: &str) -> Diagnostic {
+    Diagnostic::new(Code::ImportSyntax, report.span(open.start, open.end), format!("{what} is not closed"))
+}
+
 /// `NAME(PARAMETERS) { … }`
 fn spec<'t>(cursor: &mut Cursor<'t>, modifiers: Vec<Name>, report: &mut Report) -> Option<Spec<'t>> {
     let is_monitor = cursor.peek(1) == "(" && !matches!(cursor.peek(0), "if" | "for" | "while" | "switch" | "catch");
@@ -81,6 +88,12 @@ fn spec<'t>(cursor: &mut Cursor<'t>, modifiers: Vec<Name>, report: &mut Report) 
     let parameters = cursor.group("(", ")").map(parameters).unwrap_or_default();
     // `includes …` and what else may stand before the body.
     cursor.until(|c| c.peek(0) == "{");
+    // Where a brace inside of it is missing, so is its own.
+    if let Some(open) = cursor.unclosed("{", "}").filter(|open| *open == cursor.place()) {
+        report.push(
+            unclosed(report, open, "the monitor's `{`").label("everything up to the end of the file is taken for it"),
+        );
+    }
     let Some(mut body) = cursor.group("{", "}") else {
         let diagnostic = wrong(report, cursor, "`{` and the monitor's body");
         report.push(diagnostic);
@@ -125,7 +138,7 @@ fn begins_formula(cursor: &Cursor<'_>) -> bool {
 }
 
 /// A field or a method: up to its semicolon or the end of its block.
-fn java(body: &mut Cursor<'_>) -> std::ops::Range<usize> {
+fn java(body: &mut Cursor<'_>) -> Range<usize> {
     let start = body.place().start;
     let mut assigned = false;
     while !body.is_end() {
@@ -154,14 +167,14 @@ fn parameters(inside: Cursor<'_>) -> Vec<Parameter> {
     inside.by_commas().into_iter().filter_map(parameter).collect()
 }
 
-/// The last name is the parameter's; what stands before it is its type.
+/// The last name is the parameter's; what stands before it is its type, whose own parameters do not matter.
 fn parameter(mut part: Cursor<'_>) -> Option<Parameter> {
     let mut name = None;
     let mut class = None;
     while let Some(token) = part.ahead(0) {
         if token.kind == Kind::Word {
             class = std::mem::replace(&mut name, part.name());
-        } else {
+        } else if part.group("<", ">").is_none() {
             part.next();
         }
     }
@@ -217,6 +230,10 @@ fn event<'t>(body: &mut Cursor<'t>, creates: bool, report: &mut Report) -> Optio
 }
 
 fn pointcut<'t>(mut written: Cursor<'t>, report: &mut Report) -> Pointcut<'t> {
+    if let Some(open) = written.unclosed("(", ")") {
+        report.push(unclosed(report, open, "this `(`").label("the pointcut is not read"));
+        return unread(written);
+    }
     let read = either(&mut written, 0);
     if !written.is_end() {
         let diagnostic = wrong(report, &written, "`&&`, `||` or the event's block");

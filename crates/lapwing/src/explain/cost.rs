@@ -1,6 +1,6 @@
 //! When a failure of a formula is known, and what has to be remembered for it.
 
-use lapwing_check::checked::{Bound, Clock, Connective, Expr, Kind, Scope, Window};
+use lapwing_check::checked::{Bound, Clock, Connective, Expr, Kind, Scope, Spec, Window};
 use lapwing_check::compile::OPEN_LIMIT;
 use lapwing_stream::{Duration, Time, Type, Value};
 
@@ -33,6 +33,23 @@ pub(super) fn known(formula: &Expr, clock: Clock) -> String {
             format!("{known}; what happens is seen up to {period} later, at the next of {hz} instants a second")
         }
     }
+}
+
+/// When a failure of a machine is known, and what it keeps.
+pub(super) fn of_machine(meaning: &Spec, number: usize) -> (String, String) {
+    match longest_stay(meaning, number) {
+        None => ("at once".to_owned(), "the current state".to_owned()),
+        Some(stay) => (
+            format!("at once; of a stay that is too short or too long, at the latest {stay} after it began"),
+            "the current state, and since when it is".to_owned(),
+        ),
+    }
+}
+
+/// The longest bound on staying in a state of a machine: so long ago what fails may have begun.
+pub(super) fn longest_stay(meaning: &Spec, number: usize) -> Option<Duration> {
+    let states = meaning.machines.get(number).into_iter().flat_map(|machine| &machine.states);
+    states.flat_map(|state| [state.at_most, state.at_least]).flatten().max()
 }
 
 /// How long after it began a failure is known at the latest; `None` where nothing bounds that.

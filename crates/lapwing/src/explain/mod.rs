@@ -140,7 +140,7 @@ fn explained(spec: &Spec, meaning: &checked::Spec, property: &checked::Property)
         ),
         Body::Machine(machine) => {
             let (words, formula) = words::of_machine(meaning, *machine);
-            (words, formula, ("at once".to_owned(), "the current state".to_owned()))
+            (words, formula, cost::of_machine(meaning, *machine))
         }
         Body::None => Default::default(),
     };
@@ -159,10 +159,11 @@ fn explained(spec: &Spec, meaning: &checked::Spec, property: &checked::Property)
 }
 
 /// How long after it began a failure of a property is known at the latest; `None` where nothing bounds that.
-pub(crate) fn latency(property: &checked::Property) -> Option<Duration> {
+pub(crate) fn latency(meaning: &checked::Spec, property: &checked::Property) -> Option<Duration> {
     match &property.body {
         Body::Formula(formula) => cost::latency(formula),
-        Body::Machine(_) | Body::None => Some(Duration::ZERO),
+        Body::Machine(machine) => Some(cost::longest_stay(meaning, *machine).unwrap_or(Duration::ZERO)),
+        Body::None => Some(Duration::ZERO),
     }
 }
 

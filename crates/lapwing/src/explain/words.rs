@@ -14,11 +14,19 @@ pub(super) fn of_machine(meaning: &Spec, number: usize) -> (String, String) {
     let Some(machine) = meaning.machines.get(number) else { return Default::default() };
     let name = |state: usize| machine.states.get(state).map_or("?", |s| s.name.as_str());
     let edges = machine.edges.iter().map(|e| format!("{} -> {}", name(e.from), name(e.to)));
-    let words = format!(
+    let mut words = format!(
         "the robot, which begins in {}, goes from one of {} states to another only along an edge that is drawn",
         name(machine.initial),
         machine.states.len()
     );
+    for state in &machine.states {
+        let bounds = [("at least", state.at_least), ("at most", state.at_most)];
+        let bounds: Vec<String> =
+            bounds.into_iter().filter_map(|(word, bound)| Some(format!("{word} {}", bound?))).collect();
+        if !bounds.is_empty() {
+            words += &format!(", and stays in {} for {}", state.name, bounds.join(" and "));
+        }
+    }
     (words, edges.collect::<Vec<_>>().join(", "))
 }
 

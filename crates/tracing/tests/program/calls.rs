@@ -1,6 +1,8 @@
 //! Calls and returns: what `#[instrument]` says of a function, however it ends.
 
-use std::panic::catch_unwind;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use futures::FutureExt;
 
 use crate::robot::{kicker, rival};
 use crate::support::{alone, cause, counting, said, same_as_checked, verdict, watched};
@@ -72,6 +74,67 @@ property pairs: whenever grabs, next grabbed
                      {\"t\": 3, \"event\": \"grabs\"}\n{\"t\": 4, \"event\": \"grabbed\"}\n";
         assert_eq!(verdict(&report, "pairs"), "violated");
         same_as_checked(&report, text, lines);
+    }
+
+    fn a_panic_that_is_caught_with_the_future_still_there_is_no_return() {
+        let text = "event tries = call Kicker::try_to_grab
+event tried = return Kicker::try_to_grab
+always tries or tried
+property pairs: whenever tries, next tried
+";
+        let monitor = watched(text);
+        std::panic::set_hook(Box::new(|_| {}));
+        let grab = |bearing| futures::executor::block_on(AssertUnwindSafe(kicker::try_to_grab(bearing)).catch_unwind());
+        assert_eq!([grab(Some(1.0)).is_ok(), grab(None).is_ok(), grab(Some(2.0)).is_ok()], [true, false, true]);
+        let report = monitor.finish();
+        let line = |t: u32, event: &str| format!("{{\"t\": {t}, \"event\": \"{event}\"}}\n");
+        let lines = [line(0, "tries"), line(1, "tried"), line(2, "tries"), line(3, "tries"), line(4, "tried")].concat();
+        same_as_checked(&report, text, &lines);
+    }
+
+    fn a_panic_whose_span_somebody_keeps_is_no_return() {
+        let text = "event plays = call Kicker::play_then
+event played = return Kicker::play_then
+always plays or played
+property pairs: whenever plays, next played
+";
+        let monitor = watched(text);
+        std::panic::set_hook(Box::new(|_| {}));
+        let mut kept = None;
+        let play = AssertUnwindSafe(|| {
+            kicker::play_then(|| {
+                kept = Some(tracing::Span::current());
+                panic!("a foul");
+            });
+        });
+        assert!(catch_unwind(play).is_err());
+        drop(kept);
+        kicker::play_then(|| {});
+        let report = monitor.finish();
+        assert_eq!(said(&report, "pairs").obligations.failed, 1);
+    }
+
+    fn a_function_that_clears_up_after_a_panic_returns() {
+        struct StopsTheMotors;
+        impl Drop for StopsTheMotors {
+            fn drop(&mut self) {
+                kicker::play();
+            }
+        }
+        let text = "event plays = call Kicker::play
+event played = return Kicker::play
+property pairs: whenever plays, next played
+";
+        let monitor = watched(text);
+        std::panic::set_hook(Box::new(|_| {}));
+        let clears_up = || {
+            let _stops = StopsTheMotors;
+            panic!("a foul");
+        };
+        assert!(catch_unwind(clears_up).is_err());
+        kicker::play();
+        let report = monitor.finish();
+        assert_eq!(said(&report, "pairs").obligations.failed, 0);
     }
 
     fn an_early_end_by_a_question_mark_is_no_return_with_a_result() {

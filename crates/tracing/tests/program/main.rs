@@ -3,8 +3,10 @@
 mod robot;
 mod support;
 
+mod beside;
 mod calls;
 mod deadlines;
+mod fields;
 mod filters;
 mod handlers;
 #[cfg(feature = "log")]

@@ -2,11 +2,12 @@
 
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
-use lapwing_tracing::{ManualClock, Monitor, Report, Time, Value};
+use lapwing_tracing::{Handlers, ManualClock, Monitor, Report, Time, Value};
 
 use crate::robot::{kicker, sensor_controller};
-use crate::support::{alone, checked, counting, properties, said, spec, verdict};
+use crate::support::{Counting, alone, checked, counting, properties, said, spec, verdict};
 
 /// A file in memory.
 #[derive(Clone, Default)]
@@ -52,6 +53,11 @@ property soft: for each r of kick.robot: always not (kick and kick.power > 2)
 property hears over (inner, kick): whenever kick, previously inner
 property bounded: whenever inner, eventually within 2 s kick
 ";
+
+/// A specification without its reactions: a check carries none out.
+fn plain(text: &str) -> String {
+    text.lines().filter(|line| !line.starts_with("on violation")).map(|line| format!("{line}\n")).collect()
+}
 
 fn same_again(report: &Report, memory: &Memory) {
     assert_eq!(properties(report), properties(&checked(TEXT, &memory.text())));
@@ -136,6 +142,62 @@ alone! {
             assert_eq!(verdict(&report, name), "violated", "{name}");
         }
         assert_eq!(properties(&report), properties(&checked(text, &memory.text())), "{}", memory.text());
+    }
+
+    fn what_many_threads_and_runtimes_do_at_once_is_judged_again() {
+        let text = "event begins = call Kicker::dribble
+event step = set SensorController.sonar below Kicker::dribble
+event over = return Kicker::dribble
+event kick = call Kicker::kick
+event grabbed = return Kicker::grab
+property ends over (begins, over): ltl([](over => <*> begins))
+property near over (step): always not step
+property soft: for each r of kick.robot: always not (kick and kick.power > 2)
+property quick: whenever begins, eventually within 40 s step
+property clean over (grabbed, kick): whenever grabbed, next kick
+property sound: always sonar < 24
+on violation of soft { run kick_softly }
+";
+        let memory = Memory::default();
+        let handlers = Handlers::new().on("kick_softly", |violation, (): &()| {
+            let [Value::Str(robot)] = violation.instance() else { return };
+            kicker::kick(robot, 1.0);
+        });
+        let builder = Monitor::builder(spec(text)).handlers((), handlers).clock(Counting::default());
+        let monitor = builder.record(memory.clone()).install().expect("a monitor");
+        std::panic::set_hook(Box::new(|_| {}));
+        let dribble = |steps| {
+            kicker::dribble(steps, |n| async move {
+                tokio::task::yield_now().await;
+                sensor_controller::set_sonar(f64::from(n));
+            })
+        };
+        let many = tokio::runtime::Builder::new_multi_thread().worker_threads(3).build().expect("a runtime");
+        std::thread::scope(|scope| {
+            let tasks: Vec<_> = (0..8).map(|_| many.spawn(dribble(25))).collect();
+            scope.spawn(|| {
+                let one = tokio::runtime::Builder::new_current_thread().enable_time().build().expect("a runtime");
+                // Dropped halfway: nobody waits as long as it takes.
+                let endless = dribble(u32::MAX);
+                let waits = async { tokio::time::timeout(Duration::from_millis(20), endless).await };
+                one.block_on(waits).expect_err("too long");
+            });
+            for robot in ["r1", "r2", "r3"] {
+                scope.spawn(move || {
+                    for power in 1..20 {
+                        kicker::kick(robot, f64::from(power % 4));
+                        // A span that begins on this thread and ends on another.
+                        let span = tracing::info_span!("team", robot);
+                        std::thread::spawn(move || span.in_scope(|| kicker::grab(Some(1.0)))).join().expect("a thread");
+                        let _ = std::panic::catch_unwind(|| kicker::grab(None));
+                    }
+                });
+            }
+            tasks.into_iter().for_each(|task| assert_eq!(many.block_on(task).expect("a task"), 25));
+        });
+        let report = monitor.finish();
+        assert_eq!((verdict(&report, "near"), verdict(&report, "sound")), ("violated", "violated"));
+        assert_eq!(properties(&report), properties(&checked(&plain(text), &memory.text())));
     }
 
     fn time_that_passes_is_recorded_too() {

@@ -1,7 +1,7 @@
 //! A robot program as well-kept Rust programs are: instrumented, and without a word about monitors.
 
 pub mod kicker {
-    use tracing::instrument;
+    use tracing::{Instrument, instrument};
 
     #[instrument(ret)]
     pub fn ready(is_ready: bool) -> bool {
@@ -31,6 +31,16 @@ pub mod kicker {
         bearing.expect("a ball")
     }
 
+    /// The same in async code, without its result: whoever polls it keeps the span.
+    pub fn try_to_grab(bearing: Option<f64>) -> impl Future<Output = f64> {
+        async move { bearing.expect("a ball") }.instrument(tracing::info_span!("try_to_grab"))
+    }
+
+    #[instrument(skip_all)]
+    pub fn play_then(go_on: impl FnOnce()) {
+        go_on();
+    }
+
     #[instrument(fields(robot = robot))]
     pub fn kick(robot: &str, power: f64) {
         tracing::debug!(power, "kicked");
@@ -50,6 +60,12 @@ pub mod sensor_controller {
 
     pub fn set_sonar(sonar: f64) {
         tracing::trace!(sonar);
+    }
+
+    /// Its span has the value once that is known.
+    #[instrument(skip_all, fields(range))]
+    pub fn measure(range: f64) {
+        tracing::Span::current().record("range", range);
     }
 
     #[instrument(skip_all, fields(robot = robot, ball_dir))]

@@ -3,9 +3,10 @@
 use futures::executor::{ThreadPool, block_on};
 use futures::task::SpawnExt;
 use tracing::Instrument;
+use tracing_subscriber::layer::SubscriberExt;
 
 use crate::robot::{kicker, sensor_controller};
-use crate::support::{alone, said, same_as_checked, verdict, watched};
+use crate::support::{alone, counting, said, same_as_checked, verdict, watched};
 
 const BELOW: &str = "event inner = set SensorController.sonar below Kicker::ball_in_front
 event any = set SensorController.sonar
@@ -54,12 +55,54 @@ property pairs: whenever plays, next played
         same_as_checked(&report, text, &lines);
     }
 
+    fn a_value_that_a_span_records_later_is_below_what_is_around_the_span() {
+        let text = "event inner = set SensorController.range below Kicker::ball_in_front
+event any = set SensorController.range
+property seen over (inner, any): always not inner
+";
+        let monitor = watched(text);
+        sensor_controller::measure(1.0);
+        kicker::ball_in_front(|| sensor_controller::measure(2.0));
+        let report = monitor.finish();
+        let line = |t: u32, event: &str| format!("{{\"t\": {t}, \"event\": \"{event}\"}}\n");
+        let lines = [line(0, "any"), line(1, "inner"), line(1, "any")].concat();
+        assert_eq!(verdict(&report, "seen"), "violated");
+        same_as_checked(&report, text, &lines);
+    }
+
+    fn a_value_that_a_span_records_later_belongs_to_the_robot_of_the_spans_around() {
+        let text = "event read = set SensorController.range
+property once_each: for each r of read.robot: always (read implies not previously once read)
+";
+        let monitor = watched(text);
+        for robot in ["r1", "r2", "r2"] {
+            tracing::info_span!("team", robot).in_scope(|| sensor_controller::measure(1.0));
+        }
+        let report = monitor.finish();
+        assert_eq!((verdict(&report, "once_each[r1]"), verdict(&report, "once_each[r2]")), ("holds", "violated"));
+    }
+
     fn another_thread_is_below_only_if_its_span_says_so() {
         let monitor = watched(BELOW);
         kicker::ball_in_front(|| {
             std::thread::spawn(|| sensor_controller::set_sonar(0.5)).join().expect("a thread");
         });
         assert_eq!(said(&monitor.finish(), "seen").obligations.failed, 0);
+    }
+
+    fn spans_of_two_subscribers_are_not_taken_for_each_other() {
+        let monitor = counting(BELOW).build().expect("a monitor");
+        let watched = |work: &dyn Fn()| {
+            let subscriber = tracing_subscriber::registry().with(monitor.layer());
+            tracing::subscriber::with_default(subscriber, work);
+        };
+        watched(&|| {
+            kicker::ball_in_front(|| {
+                watched(&|| kicker::ball_in_front(|| {}));
+                sensor_controller::set_sonar(0.5);
+            });
+        });
+        assert_eq!(said(&monitor.finish(), "seen").obligations.failed, 1);
     }
 
     fn a_thread_inside_the_span_is_below() {
