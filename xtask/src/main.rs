@@ -12,7 +12,7 @@ use std::{env, fs, io};
 
 use clap::{Parser, Subcommand};
 use xtask::big::{Comparison, Kind, SPEC};
-use xtask::codegen::{Case, Target, beyond, of_suite};
+use xtask::codegen::{Case, Target, Theme, beyond, handed, of_suite};
 use xtask::random::{Told, run};
 
 /// Chores of the repository.
@@ -98,8 +98,12 @@ fn codegen(random: u64, seed: u64, c: bool) -> Result<ExitCode, String> {
     let seeds: Vec<u64> = (seed..seed.saturating_add(random)).collect();
     let (mut compared, mut refused) = (0, 0);
     for seeds in seeds.chunks(200) {
-        let cases: Vec<_> = seeds.iter().filter_map(|&seed| Case::at_random(seed)).collect();
         let folder = tempfile::tempdir().map_err(|e| e.to_string())?;
+        let mut cases: Vec<_> = seeds.iter().filter_map(|&seed| Case::at_random(seed)).collect();
+        // To every four of these one of what is handed over as a whole.
+        for (&seed, theme) in seeds.iter().step_by(4).zip(Theme::ALL.into_iter().cycle()) {
+            cases.push(handed(theme, seed, folder.path())?);
+        }
         let (count, wrong) = xtask::codegen::agree(&cases, targets, folder.path())?;
         if let Some(first) = wrong.first() {
             return Err(format!("{} differ\n{first}", wrong.len()));

@@ -90,7 +90,7 @@ impl Refusals<'_> {
             _ => {}
         }
         if spec.events[event].fields.iter().any(|f| is_structured(&f.ty)) {
-            self.add(place, "an event whose fields are arrays or messages", ARRAYS);
+            self.add(place, "an event with an array or a message that would have to be kept as a whole", ARRAYS);
         }
         spec.events[event].when.iter().for_each(|when| self.values(when));
     }
@@ -101,15 +101,15 @@ impl Refusals<'_> {
         match &e.kind {
             Kind::Input(i) => {
                 if is_structured(&spec.inputs[*i].ty) {
-                    self.add(e.span, "arrays and messages are not among the inputs of generated code", ARRAYS);
+                    self.add(e.span, "an array or a message would have to be kept as a whole", ARRAYS);
                 }
             }
             Kind::Field(..) | Kind::Index(..) | Kind::Quantified { .. } | Kind::Var(_) => {
-                self.add(e.span, "arrays and messages are not among the inputs of generated code", ARRAYS);
+                self.add(e.span, "an array or a message would have to be kept as a whole", ARRAYS);
                 return;
             }
             Kind::Call(Func::Len | Func::MinOf | Func::MaxOf | Func::Lookup, _) => {
-                self.add(e.span, "this function needs an array or a text, which generated code does not have", ARRAYS);
+                self.add(e.span, "this function needs an array, which would have to be kept as a whole", ARRAYS);
                 return;
             }
             Kind::Call(Func::StartsWith | Func::EndsWith | Func::Contains, _) => {
@@ -185,8 +185,8 @@ pub(crate) fn late_bound(property: &Property) -> Option<Span> {
     }
 }
 
-const ARRAYS: &str = "of an array of numbers ask for its length, its least or greatest element, one by its number, or whether something that depends on nothing \
-                      else is true of any or all; of a message declare the field that is wanted";
+const ARRAYS: &str = "of an array ask for its length, for a number in one of its elements, or whether something that depends on nothing else is true of any or all; \
+                      of one of numbers also for the least and the greatest; of a message declare the field that is wanted";
 
 fn is_structured(ty: &Type) -> bool {
     matches!(ty, Type::Array(_) | Type::Message(_))

@@ -115,10 +115,12 @@ fn await_parts(spec: &mut Spec, wholes: &[Whole]) {
             if awaited.is_empty() || still_read.contains(&input) {
                 awaited.push(input);
             }
-            reads.extend(awaited.into_iter().map(|input| Read { what: ReadOf::Input(input), ..read }));
+            for read in awaited.into_iter().map(|input| Read { what: ReadOf::Input(input), ..read }) {
+                if !reads.contains(&read) {
+                    reads.push(read);
+                }
+            }
         }
-        reads.sort();
-        reads.dedup();
     }
 }
 

@@ -100,15 +100,16 @@ fn spec(theme: Theme, draw: &mut Draw) -> String {
         let part = loop {
             let part = draw.one(&parts);
             let has_wall = matches!(theme, Theme::ModelStates | Theme::Poses);
-            // Turns take an arc tangent, which is not the same to the bit everywhere.
-            let is_turned = matches!(theme, Theme::Poses | Theme::Transforms) && part.contains("angular");
-            if (has_wall || !part.contains("wall")) && !is_turned {
+            if has_wall || !part.contains("wall") {
                 break part;
             }
         };
         let limit = draw.number();
         let (name, exact) = (["a", "b", "c", "d"][number], to_the_bit(part));
+        // Turns take an arc tangent, which is not the same to the bit everywhere.
+        let is_turned = matches!(theme, Theme::Poses | Theme::Transforms) && part.contains("angular");
         let _ = match draw.below(4) {
+            _ if is_turned => writeln!(text, "{name}: never {part} > {limit:.3}"),
             0 => writeln!(text, "{name}: never {part} > {limit:.3}"),
             1 => writeln!(text, "{name}: always {exact}"),
             2 => writeln!(text, "{name}: whenever {exact}, eventually within 1 s {part} < {limit:.3}"),
