@@ -265,11 +265,9 @@ impl Writer<'_> {
             }
             self.turn_object(b, object, &seconds);
         });
-        b.when(!(was.clone() & at.clone().eq(&now)), |b| {
-            remembered.iter().for_each(|&part| b.set(&field(before(object, part)), self.part(object, part)));
-            b.set(&at, now.clone());
-            b.set(&was, true);
-        });
+        remembered.iter().for_each(|&part| b.set(&field(before(object, part)), self.part(object, part)));
+        b.set(&at, now);
+        b.set(&was, true);
     }
 
     /// The angular velocity: the axis of the turn since before times its angle, the shorter way round.
