@@ -1,5 +1,7 @@
 //! The engine equals the reference on specifications and traces at random. More of them: `cargo run --release -p xtask -- agree`.
 
+use xtask::agree::{Drive, agree};
+use xtask::codegen::{Theme, handed};
 use xtask::random::{Told, run};
 
 /// How many cases each of the tests below takes; they run side by side.
@@ -30,4 +32,17 @@ fn engine_and_reference_agree_on_cases_from_100_000_on() {
 fn most_generated_specifications_check() {
     let refused = (1..=CASES).filter(|&seed| matches!(run(seed), Told::Refused)).count();
     assert!(refused < CASES as usize / 100, "{refused} of {CASES} were refused by the checker");
+}
+
+#[test]
+fn engine_and_reference_agree_on_ground_truth() {
+    let folder = tempfile::tempdir().expect("a folder to write traces to");
+    for theme in Theme::GROUND_TRUTH {
+        for seed in 1..=100 {
+            let case = handed(theme, seed, folder.path()).expect("a case");
+            if let Err(differ) = agree(&case.spec, &case.trace, &Drive::ALL) {
+                panic!("{}\ndriven {:?}\n{differ}", case.label, differ.drive);
+            }
+        }
+    }
 }

@@ -352,11 +352,9 @@ impl Writer<'_> {
             self.keep(b, object, Vector::Linear, &[0, 1, 2].map(moved));
             self.turn_object(b, object, &seconds);
         });
-        b.when(!(was.clone() & at.clone().eq(&now)), |b| {
-            remembered.iter().for_each(|&part| b.set(&field(before(object, part)), self.part(object, part)));
-            b.set(&at, now.clone());
-            b.set(&was, true);
-        });
+        remembered.iter().for_each(|&part| b.set(&field(before(object, part)), self.part(object, part)));
+        b.set(&at, now);
+        b.set(&was, true);
     }
 
     /// The angular velocity: the axis of the turn since before times its angle, the shorter way round.

@@ -2,6 +2,7 @@
 
 use alloc::collections::BTreeMap;
 use alloc::string::{String, ToString};
+use alloc::vec::Vec;
 
 use lapwing_stream::{Name, Value};
 use serde::{Deserialize, Serialize};
@@ -19,7 +20,7 @@ const MOST_FRAMES: usize = 10_000;
 /// What is remembered of an object.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct ObjectMemory {
-    /// The pose before, and its stamp.
+    /// The latest pose, and its stamp.
     before: Option<(i64, Pose)>,
     /// The latest velocities.
     twist: Option<Twist>,
@@ -86,9 +87,7 @@ impl ObjectMemory {
             _ => None,
         };
         self.set(program, object, &pose, twist.as_ref(), inputs);
-        if self.before.is_none_or(|(stamp, _)| stamp < now) {
-            self.before = Some((now, pose));
-        }
+        self.before = Some((now, pose));
     }
 
     /// Fills the slots that are read of the object.
@@ -115,7 +114,7 @@ impl ObjectMemory {
     /// Stores transforms; whether one of them lies between the two frames.
     fn take_transforms(&mut self, transforms: &Value, fixed: &str, frame: &str) -> bool {
         let Value::List(list) = transforms else { return false };
-        let mut stored = alloc::vec::Vec::new();
+        let mut stored = Vec::new();
         for transform in list {
             if let Some((parent, child, pose)) = transform_of(transform) {
                 stored.push(child.clone());
@@ -125,46 +124,41 @@ impl ObjectMemory {
                 self.frames.insert(child, (parent, pose));
             }
         }
-        let on_the_way = |from: &str| {
-            let mut at = from.to_string();
-            for _ in 0..DEEPEST {
-                if stored.contains(&at) {
-                    return true;
-                }
-                match self.frames.get(&at) {
-                    Some((parent, _)) => at.clone_from(parent),
-                    None => return false,
-                }
-            }
-            false
-        };
-        on_the_way(frame) || on_the_way(fixed)
+        let Some((up, down)) = self.between(fixed, frame) else { return false };
+        up.into_iter().chain(down).any(|child| stored.iter().any(|moved| moved == child))
     }
 
     /// The pose of a frame in another, both hanging from the same root.
     fn pose_in(&self, fixed: &str, frame: &str) -> Option<Pose> {
-        let (root, of_frame) = self.pose_in_root(frame, fixed)?;
-        if root == fixed {
-            return Some(of_frame);
-        }
-        let (other, of_fixed) = self.pose_in_root(fixed, "")?;
-        (root == other).then(|| compose(inverse(of_fixed), of_frame))
+        let (up, down) = self.between(fixed, frame)?;
+        let of_frame = self.along(&up);
+        Some(if down.is_empty() { of_frame } else { compose(inverse(self.along(&down)), of_frame) })
     }
 
-    /// The pose of a frame in its root, or in `stop`, if that comes first.
-    fn pose_in_root(&self, frame: &str, stop: &str) -> Option<(String, Pose)> {
-        let mut at = frame.to_string();
-        let mut pose = Pose { position: [0.0; 3], turn: [0.0, 0.0, 0.0, 1.0] };
-        for _ in 0..DEEPEST {
-            match self.frames.get(&at) {
-                Some((parent, link)) if at != stop => {
-                    pose = compose(*link, pose);
-                    at.clone_from(parent);
-                }
-                _ => return Some((at, pose)),
-            }
+    /// The frames from one, and from the other, up to where they meet, without that one: what hangs above is not between them.
+    fn between<'a>(&'a self, fixed: &'a str, frame: &'a str) -> Option<(Vec<&'a str>, Vec<&'a str>)> {
+        let (mut up, mut down) = (self.path(frame)?, self.path(fixed)?);
+        let mut meet = false;
+        while up.last().is_some() && up.last() == down.last() {
+            up.pop();
+            down.pop();
+            meet = true;
         }
-        None
+        meet.then_some((up, down))
+    }
+
+    /// A frame and those that it hangs from, up to its root.
+    fn path<'a>(&'a self, frame: &'a str) -> Option<Vec<&'a str>> {
+        let parent = |frame: &&'a str| self.frames.get(*frame).map(|(parent, _)| parent.as_str());
+        let path: Vec<&str> = core::iter::successors(Some(frame), parent).take(DEEPEST).collect();
+        (path.len() < DEEPEST).then_some(path)
+    }
+
+    /// The pose of the first of some frames, each of which hangs from the next, in what the last hangs from.
+    fn along(&self, path: &[&str]) -> Pose {
+        let links = path.iter().filter_map(|child| self.frames.get(*child));
+        let still = Pose { position: [0.0; 3], turn: [0.0, 0.0, 0.0, 1.0] };
+        links.fold(still, |pose, (_, link)| compose(*link, pose))
     }
 }
 

@@ -22,6 +22,9 @@ pub enum Theme {
 }
 
 impl Theme {
+    /// Those with objects.
+    pub const GROUND_TRUTH: [Theme; 4] = [Theme::ModelStates, Theme::Odometry, Theme::Poses, Theme::Transforms];
+
     /// All of them.
     pub const ALL: [Theme; 5] = [Theme::ModelStates, Theme::Odometry, Theme::Poses, Theme::Transforms, Theme::Wholes];
 }
@@ -77,6 +80,7 @@ fn spec(theme: Theme, draw: &mut Draw) -> String {
         Theme::ModelStates => "",
         Theme::Odometry => "world robot /gt/robot Odometry\n",
         Theme::Poses => "world * topics /{name}/gt PoseStamped\n",
+        Theme::Transforms if draw.below(2) == 0 => "world robot tf arm base\n",
         Theme::Transforms => "world robot tf map base\n",
         Theme::Wholes => return wholes(draw),
     }
@@ -176,7 +180,8 @@ fn line(theme: Theme, time: f64, draw: &mut Draw) -> String {
             (topic, "geometry_msgs/PoseStamped", format!("{{\"pose\": {}}}", pose(draw)))
         }
         Theme::Transforms => {
-            let (parent, child) = [("map", "odom"), ("odom", "base")][draw.below(2) as usize];
+            let (parent, child) =
+                [("earth", "map"), ("map", "odom"), ("odom", "base"), ("odom", "arm")][draw.below(4) as usize];
             let ([x, y, z], [i, j, k, w]) = ([0; 3].map(|_| draw.number()), turn(draw));
             let message = format!(
                 "{{\"transforms\": [{{\"header\": {{\"frame_id\": \"{parent}\"}}, \"child_frame_id\": \"{child}\", \"transform\": \
