@@ -8,7 +8,7 @@ const SPEC: &str = "\
 decl speed /odom Odometry.twist.twist.linear.x
 decl ranges /scan LaserScan.ranges
 never speed > 2.0
-clear: always all(ranges, v => v >= ranges[0])
+clear: always all(ranges, v => v == ranges[0])
 ";
 
 #[test]

@@ -72,7 +72,25 @@ fn members_are_named_after_signals_and_events() {
 
 #[test]
 fn rust_is_a_module_for_crates_without_a_standard_library() {
-    let generated = generated(SPEC, Language::Rust);
+    no_std(SPEC);
+    no_std(HANDED);
+}
+
+/// What is handed to functions.
+const HANDED: &str = "\
+world robot /gt/robot Odometry
+world drone /gt/drone PoseStamped
+decl a /a String.data
+decl b /b String.data
+decl joints /joints JointState
+never robot.velocity.body.x > drone.velocity or robot.distance.drone < 1
+never starts_with(a, \"x\") or a == b or lookup(joints.name, joints.position, \"hip\") > 1
+always all(joints.name, n => n != \"hip\") and len(joints.name) == len(joints.position)
+";
+
+/// Compiles a module without a standard library, of which the compiler has nothing to say.
+fn no_std(spec: &str) {
+    let generated = generated(spec, Language::Rust);
     let [(name, text)] = generated.files.as_slice() else { panic!("one file") };
     assert_eq!(name, "robot.rs");
     assert!(!text.contains("unsafe") && !text.contains("std::") && !text.contains("alloc::"), "{text}");
