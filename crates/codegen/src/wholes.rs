@@ -4,7 +4,7 @@
 
 use std::collections::BTreeSet;
 
-use lapwing_check::checked::{self, Body, Event, EventField, Func, Input, Kind, Read, ReadOf, Spec, Step};
+use lapwing_check::checked::{self, Body, Connective, Event, EventField, Func, Input, Kind, Read, ReadOf, Spec, Step};
 use lapwing_stream::{Type, Value};
 
 use crate::code::Expr;
@@ -142,6 +142,14 @@ fn inputs_read(spec: &Spec) -> BTreeSet<usize> {
     found
 }
 
+/// What is said of all elements of a field of an event is not so where the event does not occur.
+fn where_it_occurs(said: &mut checked::Expr, from: From) {
+    if let From::EventField(event, _) = from {
+        let occurs = checked::Expr { kind: Kind::Event(event), ..said.clone() };
+        said.kind = Kind::Connective(Connective::And, Box::new(occurs), Box::new(said.clone()));
+    }
+}
+
 /// What an expression asks, of what, and how many instants ago.
 struct Asked {
     from: From,
@@ -176,15 +184,19 @@ impl Unfolding<'_> {
         };
         let Some(asked) = asked else {
             if let Kind::Quantified { all, array, body } = &e.kind
-                && source(array).is_some_and(|(from, _)| self.is_array(from))
+                && let Some((from, back)) = source(array).filter(|(from, _)| self.is_array(*from))
                 && let Some(kind) = by_extreme(*all, array, body)
             {
+                let is_all = *all && back == 0;
                 e.kind = kind;
+                if is_all {
+                    where_it_occurs(e, from);
+                }
             }
             e.children_mut().into_iter().for_each(|c| self.expression(c));
             return;
         };
-        let back = asked.back;
+        let (from, back) = (asked.from, asked.back);
         let part = match self.part(e, asked) {
             From::EventField(event, field) => Kind::EventField { event, field },
             From::Input(input) => Kind::Input(input),
@@ -196,6 +208,9 @@ impl Unfolding<'_> {
         }
         if is_all {
             e.kind = Kind::Not(Box::new(e.clone()));
+        }
+        if is_all && back == 0 {
+            where_it_occurs(e, from);
         }
     }
 

@@ -237,12 +237,19 @@ impl<'c> Lowering<'c> {
     }
 
     fn quantified(&mut self, all: bool, array: &Expr, body: &Expr) -> NodeId {
+        let events = fields_of_events(array);
         let (array, mut body) = (self.expr(array), self.expr(body));
-        if all {
-            body = self.not(body);
+        if !all {
+            return self.node(Node::Any { array, body });
         }
+        body = self.not(body);
         let any = self.node(Node::Any { array, body });
-        if all { self.not(any) } else { any }
+        // Where an event does not occur, nothing is so of its fields.
+        let none = self.not(any);
+        events.into_iter().fold(none, |all, event| {
+            let occurs = self.node(Node::Event(event));
+            self.node(Node::And(occurs, all))
+        })
     }
 }
 
