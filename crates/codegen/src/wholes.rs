@@ -176,7 +176,7 @@ struct Unfolding<'s> {
 impl Unfolding<'_> {
     fn expression(&mut self, e: &mut checked::Expr) {
         let (asked, is_all) = match &e.kind {
-            // What is true of all is not untrue of any; where there is no array it is true.
+            // What is true of all is not untrue of any.
             Kind::Quantified { all, array, body } => {
                 (said(body).and_then(|(body, columns)| self.any(array, if *all { !body } else { body }, columns)), *all)
             }
