@@ -44,6 +44,13 @@ const WITH_SIGNAL: [(&str, &str); 4] = [
     ("never_far", "for each r of kick.robot: always (once kick implies near)"),
 ];
 
+/// Properties that read a signal, and of which each robot has an obligation open.
+const OPEN: [(&str, &str); 3] = [
+    ("turns_near", "for each r of kick.robot: whenever kick, eventually (turn and near)"),
+    ("near_in_time", "for each r of kick.robot: whenever kick, eventually within 1000 s near"),
+    ("turn_until_near", "for each r of kick.robot: whenever kick, not turn until near"),
+];
+
 /// Rows of a measurement.
 const ROWS: u32 = 200;
 
@@ -67,6 +74,39 @@ fn main() {
             println!("{name:<20} {robots:>8} {bytes:>12} {nanos:>12.0}");
         }
     }
+    println!("\n{:<20} {:>8} {:>12} {:>12}", "with one open", "robots", "bytes each", "ns an event");
+    for (name, property) in OPEN {
+        for robots in [1, 1_000, most] {
+            let (bytes, nanos) = cost_while_open(&program(&format!("property {name}: {property}\n")), robots);
+            println!("{name:<20} {robots:>8} {bytes:>12} {nanos:>12.0}");
+        }
+    }
+}
+
+/// Bytes an instance, and nanoseconds of an event of one of them while all wait for something.
+fn cost_while_open((program, names): &(Program, Vec<String>), robots: u32) -> (i64, f64) {
+    let kick = names.iter().position(|known| known == "kick").expect("the properties read it");
+    let mut state = State::new(program);
+    let mut at = 1_700_000_000_000_000_000;
+    let mut tell = |state: &mut State, what: What<'_>| {
+        at += 100;
+        state.feed(program, Sample { time: Time(at), what }, &mut ());
+    };
+    tell(&mut state, What::Row { cells: &[Value::Bool(false)] });
+    let mut kick_of = |state: &mut State, robot: u32| {
+        tell(state, What::Event { event: kick, values: &[Value::Num(f64::from(robot))] });
+    };
+    kick_of(&mut state, 0);
+    let bytes = measure(|| (1..robots + 1).for_each(|robot| kick_of(&mut state, robot))).bytes_current;
+    let mut least = f64::INFINITY;
+    for _ in 0..ROUNDS {
+        let start = Instant::now();
+        (0..ROWS).for_each(|n| kick_of(&mut state, 1 + n % robots));
+        least = least.min(start.elapsed().as_secs_f64() * 1e9 / f64::from(ROWS));
+    }
+    let outcomes = state.finish(program, &Ending::default(), &mut ());
+    assert!(outcomes.iter().all(|outcome| outcome.failed == 0 && outcome.open > 0), "{:?}", outcomes[0]);
+    (bytes / i64::from(robots), least)
 }
 
 /// Bytes an instance, and nanoseconds of a row that turns the signal.

@@ -277,9 +277,12 @@ impl Core {
         if plan.is_plain() {
             self.judge(plan, inputs, now, tell);
         } else {
-            self.decide(plan, inputs, now, limit, tell);
             let is_same = before.is_some_and(|before| (before ^ self.walk.word()) & plan.heard == 0);
-            self.idles = plan.idles && is_same && self.is_still();
+            let n = self.decide(plan, inputs, now, tell);
+            self.idles = plan.idles && is_same && self.is_still(plan, n, now);
+            // An open bound of no length at all is over where it begins.
+            self.advance(plan, inputs, now, tell);
+            self.forget(plan, n, limit);
         }
     }
 
@@ -334,8 +337,8 @@ impl Core {
         }
     }
 
-    /// A position of any other group.
-    fn decide(&mut self, plan: &Group, inputs: &Inputs, now: i64, limit: usize, tell: &mut impl Observer) {
+    /// A position of any other group: which one.
+    fn decide(&mut self, plan: &Group, inputs: &Inputs, now: i64, tell: &mut impl Observer) -> Pos {
         let n = self.times.push(now);
         let Core { key, walk, times, graph, trackers, looks, .. } = self;
         let view = walk.view(here(plan, inputs, now, key));
@@ -363,9 +366,7 @@ impl Core {
             let alarms = alarms(inputs, (tracker.property, key), now, times, tell);
             state.position(tracker, n, segment, &view, &graph.decided, times, alarms);
         }
-        // An open bound of no length at all is over where it begins.
-        self.advance(plan, inputs, now, tell);
-        self.forget(plan, n, limit);
+        n
     }
 
     /// Time goes on to `now`: bounds that end before are over, each at its own time.

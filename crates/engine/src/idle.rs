@@ -1,11 +1,12 @@
 //! Groups with segments or future operators, while nothing happens to them.
 //!
-//! Where a position left everything as it was, with nothing open and no segment beginning or ending at it, the next one does the same
-//! if no operator changes: its obligations are met where they arise, and scopes are entered as they were. Such positions are only counted,
-//! and made up for when something is due again.
+//! Where a position left everything as it was, with no segment beginning or ending at it, the next one does the same if no operator changes:
+//! its obligations are met where they arise, scopes are entered as they were, and what is open stays open until its bound is over. Such
+//! positions are only counted, and made up for when something is due again.
 
 use crate::group::Core;
 use crate::program::{At, Bound, ContextKind, FutureKind, Group, Judged, LookKind};
+use crate::times::Pos;
 
 impl Group {
     /// Whether it may idle at all: nothing in it depends on how long its segments have lasted, or runs at every position.
@@ -70,16 +71,19 @@ impl Group {
 }
 
 impl Core {
-    /// Whether the latest position left everything as it was, and nothing open.
-    pub(crate) fn is_still(&self) -> bool {
+    /// Whether position `n`, at `now`, left everything as it was: it met its own obligations at once, and decided nothing else.
+    pub(crate) fn is_still(&self, plan: &Group, n: Pos, now: i64) -> bool {
         self.margins.is_none()
-            && self.graph.runs() == 0
             && self.graph.segments.iter().all(|segment| !segment.first && !segment.closes)
-            && self.trackers.iter().all(|tracker| tracker.is_idle())
+            && self.trackers.iter().all(|tracker| !tracker.missed_at(n))
             && self.looks.iter().all(|look| look.is_still)
+            && self.graph.is_still(&plan.futures, n)
+            // Which of several positions with one stamp an obligation began at is told: those are counted one by one.
+            && self.trackers.iter().filter_map(|tracker| tracker.open.last()).all(|open| self.times.at(open) < now)
     }
 
-    /// Counts the instants before the one with that number that were not looked at, the last of them at `last`.
+    /// Counts the instants before the one with that number that were not looked at, the last of them at `last`. They take no numbers as positions:
+    /// nothing is open at them, and the position that began to idle parts what is open before them from what comes after.
     #[inline(never)]
     pub(crate) fn make_up_idle(&mut self, plan: &Group, number: u64, last: i64) {
         self.idles = false;
@@ -89,7 +93,6 @@ impl Core {
         }
         self.stepped = number;
         self.positions += missed;
-        self.times.skip(missed);
         self.walk.pass_over(last);
         for (state, tracker) in self.trackers.iter_mut().zip(&plan.trackers) {
             if tracker.at == At::All

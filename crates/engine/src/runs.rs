@@ -34,6 +34,10 @@ impl Runs {
         self.runs.front().map(|r| r.0)
     }
 
+    pub fn last(&self) -> Option<Pos> {
+        self.runs.back().map(|r| r.1)
+    }
+
     pub fn clear(&mut self) {
         self.runs.clear();
     }

@@ -32,12 +32,6 @@ impl Times {
         self.next() - 1
     }
 
-    /// Positions that nobody will ask for: so many more, and nothing kept of those before.
-    pub fn skip(&mut self, positions: u64) {
-        self.first = self.next() + positions;
-        self.stamps.clear();
-    }
-
     /// The number of the next position.
     pub fn next(&self) -> Pos {
         self.first + self.stamps.len() as u64

@@ -179,9 +179,9 @@ impl TrackerState {
         });
     }
 
-    /// Whether nothing is open, and no failure can join an episode.
-    pub fn is_idle(&self) -> bool {
-        self.open.is_empty() && self.live.is_empty()
+    /// Whether the obligation of the newest position, `n`, has failed.
+    pub fn missed_at(&self, n: Pos) -> bool {
+        self.live.iter().any(|live| live.to == n)
     }
 
     /// What is open is given up, and whatever fails from here on is another episode. What was counted stands.

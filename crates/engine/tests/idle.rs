@@ -4,7 +4,7 @@ mod support;
 
 use support::{program, run, toggling};
 
-const SPECS: [&str; 9] = [
+const SPECS: [&str; 15] = [
     "a: whenever p, eventually within 7 ms q\n",
     "a: after r, whenever p, eventually within 9 ms q\nb: after r, always p or q\n",
     "a: after_until p, q, always r\nb: after_until p, q, eventually r\n",
@@ -13,6 +13,12 @@ const SPECS: [&str; 9] = [
     "a: whenever p, whenever q, eventually within 4 ms r\nb: whenever r, always within 3 ms (p or q)\n",
     "a: whenever once within 20 ms p, eventually within 6 ms q\n",
     "a: after_until p, q, after r, never p and q and r\n",
+    "a: whenever p and r, eventually q\n",
+    "a: whenever becomes p, eventually within [3 ms, 90 ms] q\nb: whenever becomes q, always within (2 ms, 60 ms) r\n",
+    "a: whenever becomes p, q until within [2 ms, 40 ms] r\nb: whenever becomes r, q until p\n",
+    "a: whenever becomes p, eventually within 40 ms (q and eventually within 30 ms r)\n",
+    "a: whenever becomes p, (eventually within 30 ms q) and (eventually within [5 ms, 80 ms] r)\n",
+    "a: after r, whenever becomes p, eventually within 60 ms q\nb: while r, whenever becomes p, eventually q\n",
     "_rate_ = 800\na: whenever p, eventually within 7 ms q\nb: while q, always p or r\n",
 ];
 

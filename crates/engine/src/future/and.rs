@@ -33,6 +33,10 @@ impl State {
         self.open.len()
     }
 
+    pub fn newest(&self) -> Option<Pos> {
+        self.open.back().map(|run| run.to)
+    }
+
     /// An operand became known for some positions.
     fn apply(&mut self, d: Decided, is_left: bool, out: &mut Vec<Decided>) {
         let mut i = self.open.partition_point(|r| r.to < d.from);

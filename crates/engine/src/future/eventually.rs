@@ -38,6 +38,10 @@ impl State {
         }
     }
 
+    pub fn newest(&self) -> Option<Pos> {
+        self.open.last().max(self.unknown.last())
+    }
+
     pub fn deadline(&self, bound: &Bound, times: &Times) -> Option<(i64, bool)> {
         if !bound.has_end() {
             return None;

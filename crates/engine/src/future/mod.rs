@@ -217,6 +217,23 @@ impl FutureState {
         }
     }
 
+    /// Whether position `n`, which is the newest, decided nothing but itself, and another one like it would do no more.
+    fn is_still(&self, node: &Future, n: Pos, decided: &[Decided]) -> bool {
+        let is_decided = match self {
+            FutureState::State => true,
+            FutureState::And(s) => s.newest() != Some(n),
+            FutureState::Eventually(s) => s.newest() != Some(n),
+            FutureState::Until(s) => s.newest() != Some(n),
+            _ => self.runs() == 0,
+        };
+        // What looks at positions from some time on only may be hit by the very next one.
+        let looks_at_once = match node.kind {
+            FutureKind::Eventually(bound, _) | FutureKind::Until(bound, ..) => (bound.lo, bound.lo_closed) == (0, true),
+            _ => true,
+        };
+        is_decided && decided.iter().all(|d| (d.from, d.to) == (n, n)) && (looks_at_once || self.runs() == 0)
+    }
+
     /// How many runs of undecided positions it keeps.
     pub fn runs(&self) -> usize {
         match self {
@@ -330,6 +347,12 @@ impl Graph {
     /// The oldest position whose stamp is still asked for.
     pub fn oldest(&self) -> Option<Pos> {
         self.nodes.iter().filter_map(FutureState::oldest).min()
+    }
+
+    /// Whether position `n`, which is the newest, decided nothing but itself, and others like it would do no more.
+    pub fn is_still(&self, futures: &[Future], n: Pos) -> bool {
+        let nodes = self.nodes.iter().zip(futures).zip(&self.decided);
+        nodes.into_iter().all(|((state, node), decided)| state.is_still(node, n, decided))
     }
 
     /// How many runs of undecided positions there are in all.

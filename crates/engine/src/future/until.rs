@@ -27,6 +27,10 @@ impl State {
         self.open.first()
     }
 
+    pub fn newest(&self) -> Option<Pos> {
+        self.open.last()
+    }
+
     pub fn deadline(&self, bound: &Bound, times: &Times) -> Option<(i64, bool)> {
         if !bound.has_end() {
             return None;

@@ -3,9 +3,9 @@
 use super::rng::Rng;
 use super::samples;
 use super::term::{Sort, Term};
-use super::{Case, Statement};
+use super::{Case, Raw, Statement};
 use lapwing_check::{TraceShape, TraceTopic};
-use lapwing_stream::{Field, Schema, Type};
+use lapwing_stream::{Field, Schema, Time, Type};
 use std::sync::Arc;
 
 use Sort::{Formula, Ltl, Number, State};
@@ -36,9 +36,11 @@ pub fn generate(seed: u64, size: usize) -> Case {
         properties.push(property(&mut rng, n, alone, machine));
     }
 
-    let length = 1 + rng.below(size.max(1));
+    // Where little happens the engine passes over much: such traces are longer.
+    let is_calm = rng.percent(30);
+    let length = 1 + rng.below(size.max(1) * if is_calm { 2 } else { 1 });
     let stamps = samples::stamps(&mut rng, length);
-    let mut trace = Vec::new();
+    let mut trace: Vec<(Time, Raw)> = Vec::new();
     for (n, stamp) in stamps.into_iter().enumerate() {
         // Most traces begin with a value of everything, so that most properties start.
         let raw = match n {
@@ -46,6 +48,7 @@ pub fn generate(seed: u64, size: usize) -> Case {
             1 if rng.percent(70) => samples::message_m(&mut rng),
             2 if rng.percent(70) => samples::message_f(&mut rng),
             3 | 4 if rng.percent(40) => samples::message_more(&mut rng),
+            _ if is_calm && rng.percent(80) => samples::repeated(&mut rng, &trace),
             _ => samples::arrival(&mut rng, events_often),
         };
         trace.push((stamp, raw));
@@ -136,7 +139,7 @@ fn property(rng: &mut Rng, n: usize, alone: bool, machine: bool) -> Statement {
             words.conditions.extend(["mach == go", "mach != idle"].map(String::from));
         }
     }
-    let each = alone && rng.percent(25);
+    let each = rng.percent(if alone { 25 } else { 15 });
     let over = if alone && rng.percent(60) {
         format!(" over ({})", rng.pick(&["kick, tick", "kick", "tick, drop, hit"]))
     } else {

@@ -87,6 +87,21 @@ pub(crate) fn row(rng: &mut Rng, full: bool) -> Raw {
     Raw::Row(cells)
 }
 
+/// The latest row once more, now and then with one cell as it is in another.
+pub(crate) fn repeated(rng: &mut Rng, trace: &[(Time, Raw)]) -> Raw {
+    let cells =
+        trace.iter().rev().find_map(|(_, raw)| if let Raw::Row(cells) = raw { Some(cells.clone()) } else { None });
+    let (Some(mut cells), Raw::Row(mut other)) = (cells, row(rng, true)) else { return row(rng, true) };
+    if rng.percent(20) {
+        let new = other.swap_remove(rng.below(other.len()));
+        match cells.iter_mut().find(|(name, _)| *name == new.0) {
+            Some(old) => *old = new,
+            None => cells.push(new),
+        }
+    }
+    Raw::Row(cells)
+}
+
 fn event(rng: &mut Rng) -> Raw {
     match rng.below(5) {
         0 | 1 => {
