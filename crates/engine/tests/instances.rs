@@ -228,7 +228,7 @@ fn instances_that_read_signals_take_as_little() {
 }
 
 /// Formulas over two events with a field and two signals; of some no instance ever lies still.
-const FORMULAS_WITH_SIGNALS: [&str; 15] = [
+const FORMULAS_WITH_SIGNALS: [&str; 18] = [
     "always (play implies battery > 4)",
     "always (battery > 1 or once within 3 s ready)",
     "always (ready.power < 5 implies previously (play or stopped))",
@@ -244,6 +244,9 @@ const FORMULAS_WITH_SIGNALS: [&str; 15] = [
     "whenever play, battery > 1 or ready",
     "while stopped, eventually within 3 s (ready or battery < 8)",
     "always 2 > 1",
+    "whenever ready, not play until within [1 s, 9 s] (stopped and battery > 6)",
+    "whenever ready, (eventually within 6 s (play and stopped)) and (eventually battery > 7)",
+    "whenever play, eventually within [2 s, 60 s] (ready and battery < 3)",
 ];
 
 /// The outcomes of a text where signals come between what robots do; where one robot is named, what the others do are instants at which nothing comes.
@@ -279,5 +282,40 @@ fn an_instance_that_reads_signals_fares_as_if_there_were_no_others() {
         fare_alone(formula, together, 1_000, |robot| {
             outcomes_with_signals(&format!("property all: {formula}\n"), Some(robot))
         });
+    }
+}
+
+/// Properties of which every robot has an obligation open once it has dribbled.
+const WAITING: [&str; 4] = [
+    "whenever dribble, eventually (arrive and not stopped)",
+    "whenever dribble, eventually within 1000 s (arrive or battery < 10)",
+    "whenever dribble, not turned until battery < 10",
+    "whenever dribble, always within 1000 s battery > 10",
+];
+
+/// How many bytes of the state another instant changes, at which nothing comes, while so many robots wait for something.
+fn changed_by_an_instant(formula: &str, robots: u32) -> usize {
+    let many = Many::of(&format!("property waits: for each r of dribble.robot: {formula}\n"));
+    let mut state = State::new(&many.program);
+    many.row(&mut state, START, [90.0.into(), false.into()]);
+    for robot in 0..robots {
+        many.tell(&mut state, START + i64::from(robot), "dribble", &[("robot", f64::from(robot).into())]);
+    }
+    let mut instant = |at: i64| {
+        many.row(&mut state, START + 1_000_000 + at, [Value::Missing, Value::Missing]);
+        state.save(&many.program)
+    };
+    let [_, _, before, after] = [1, 2, 3, 4].map(&mut instant);
+    assert_eq!(before.len(), after.len(), "{formula}");
+    let outcomes = state.finish(&many.program, &Ending::default(), &mut ());
+    assert!(outcomes.iter().all(|outcome| outcome.open == 1 && outcome.failed == 0), "{:?}", outcomes[0]);
+    before.iter().zip(&after).filter(|(before, after)| before != after).count()
+}
+
+#[test]
+fn an_instant_does_not_touch_those_that_wait() {
+    for formula in WAITING {
+        let (few, many) = (changed_by_an_instant(formula, 10), changed_by_an_instant(formula, 300));
+        assert!(many < few + 10, "{many} bytes of 300 instances change, and {few} of 10: {formula}");
     }
 }
