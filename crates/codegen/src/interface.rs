@@ -159,7 +159,14 @@ impl Interface {
             _ => {}
         }
         if language == "c" {
-            lines.push("Compile it without -ffast-math, or comparisons with what is not a number go wrong.".to_owned());
+            lines.push(
+                "Compile it without -ffast-math, with which comparisons with what is not a number go wrong. Where the"
+                    .to_owned(),
+            );
+            lines.push(
+                "compiler fuses products with sums, as GCC does by itself without -std=c99, give it -ffp-contract=off."
+                    .to_owned(),
+            );
         }
         lines.push(String::new());
         lines.push("Properties:".to_owned());

@@ -404,12 +404,27 @@ fn hostile_names_make_no_hostile_code() {
     for language in [Language::Rust, Language::C] {
         let generated = generate(&spec, title, &options(language)).expect("monitors");
         for (name, text) in &generated.files {
-            assert!(!text.lines().any(|line| line.starts_with('#') && line.contains("error")), "{text}");
+            let is_ours = |line: &str| line.contains("-fno-fast-math");
+            let mut directives = text.lines().filter(|line| line.starts_with('#') && !is_ours(line));
+            assert!(!directives.any(|line| line.contains("error")), "{text}");
             let comments = if name.ends_with(".h") { text.matches("/*").count() } else { 0 };
             assert!(comments == 0 || text.matches("*/").count() == comments, "{text}");
         }
         if language == Language::C {
             compile_c(&generated, "int main(void) {\nreturn 0;\n}\n");
         }
+    }
+}
+
+#[test]
+fn mathematics_that_knows_no_nan_is_refused_by_the_compiler() {
+    let generated = generated("never speed > 2\n", Language::C);
+    let folder = compile_c(&generated, "int main(void) { return 0; }\n");
+    for option in ["-ffast-math", "-ffinite-math-only", "-Ofast"] {
+        let mut cc = Command::new("cc");
+        let output =
+            cc.current_dir(folder.path()).args(["-std=c99", option, "-c", "robot.c"]).output().expect("cc runs");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && said.contains("-fno-fast-math"), "{option}: {said}");
     }
 }
