@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::checked::{Expr, Input, Kind, Read, ReadOf};
+use crate::checked::{Event, Expr, Input, Kind, Read, ReadOf};
 use crate::machine::MachineTable;
 
 /// What expressions read.
@@ -46,6 +46,15 @@ impl Uses {
             }
             open.extend(expr.children().into_iter().map(|child| (child, below)));
         }
+    }
+
+    /// What reads signals and names the events of machines waits for what these read.
+    pub fn wait_for_machines(&mut self, machines: &MachineTable, events: &[Event]) {
+        if !self.signals {
+            return;
+        }
+        let named: Vec<usize> = self.events.iter().filter_map(|&e| events.get(e)?.source.machine()).collect();
+        named.into_iter().for_each(|machine| self.machine(machines, machine, 0));
     }
 
     /// The reads, in order.
