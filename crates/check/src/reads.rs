@@ -9,6 +9,8 @@ use crate::machine::MachineTable;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Uses {
     depths: BTreeMap<ReadOf, usize>,
+    /// Of what steps on events alone: what the machines read whose events these are.
+    behind: BTreeMap<ReadOf, usize>,
     /// The machines whose state is read, and those that these read.
     pub machines: BTreeSet<usize>,
     /// The events that are named.
@@ -48,13 +50,18 @@ impl Uses {
         }
     }
 
-    /// What reads signals and names the events of machines waits for what these read.
+    /// What reads signals and names the events of machines waits for what these read. What steps on events alone does not, but what
+    /// reads its state does.
     pub fn wait_for_machines(&mut self, machines: &MachineTable, events: &[Event]) {
-        if !self.signals {
-            return;
+        let mut named = Uses::default();
+        let of_machines = self.events.iter().filter_map(|&event| events.get(event)?.source.machine());
+        of_machines.for_each(|machine| named.machine(machines, machine, 0));
+        if self.signals {
+            self.machines.append(&mut named.machines);
+            named.depths.into_iter().for_each(|(what, depth)| self.need(what, depth));
+        } else {
+            self.behind = named.depths;
         }
-        let named: Vec<usize> = self.events.iter().filter_map(|&e| events.get(e)?.source.machine()).collect();
-        named.into_iter().for_each(|machine| self.machine(machines, machine, 0));
     }
 
     /// The reads, in order.
@@ -81,7 +88,7 @@ impl Uses {
         self.machines.insert(machine);
         let Some(entry) = machines.get(machine) else { return };
         self.machines.extend(&entry.uses.machines);
-        for (&what, &own) in &entry.uses.depths {
+        for (&what, &own) in entry.uses.depths.iter().chain(&entry.uses.behind) {
             self.need(what, own.saturating_add(depth));
         }
     }
