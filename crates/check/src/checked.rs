@@ -205,6 +205,16 @@ pub enum EventSource {
     Program(String),
 }
 
+impl EventSource {
+    /// The machine whose event it is.
+    pub fn machine(&self) -> Option<usize> {
+        match *self {
+            EventSource::Entered { machine, .. } | EventSource::Left { machine, .. } => Some(machine),
+            _ => None,
+        }
+    }
+}
+
 /// A point in the run of a program that can be seen from outside: AspectJ's join point.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Point {

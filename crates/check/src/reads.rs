@@ -2,13 +2,15 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::checked::{Expr, Input, Kind, Read, ReadOf};
+use crate::checked::{Event, Expr, Input, Kind, Read, ReadOf};
 use crate::machine::MachineTable;
 
 /// What expressions read.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Uses {
     depths: BTreeMap<ReadOf, usize>,
+    /// Of what steps on events alone: what the machines read whose events these are.
+    behind: BTreeMap<ReadOf, usize>,
     /// The machines whose state is read, and those that these read.
     pub machines: BTreeSet<usize>,
     /// The events that are named.
@@ -48,6 +50,20 @@ impl Uses {
         }
     }
 
+    /// What reads signals and names the events of machines waits for what these read. What steps on events alone does not, but what
+    /// reads its state does.
+    pub fn wait_for_machines(&mut self, machines: &MachineTable, events: &[Event]) {
+        let mut named = Uses::default();
+        let of_machines = self.events.iter().filter_map(|&event| events.get(event)?.source.machine());
+        of_machines.for_each(|machine| named.machine(machines, machine, 0));
+        if self.signals {
+            self.machines.append(&mut named.machines);
+            named.depths.into_iter().for_each(|(what, depth)| self.need(what, depth));
+        } else {
+            self.behind = named.depths;
+        }
+    }
+
     /// The reads, in order.
     pub fn reads(&self) -> Vec<Read> {
         self.depths.iter().map(|(&what, &depth)| Read { what, depth }).collect()
@@ -72,7 +88,7 @@ impl Uses {
         self.machines.insert(machine);
         let Some(entry) = machines.get(machine) else { return };
         self.machines.extend(&entry.uses.machines);
-        for (&what, &own) in &entry.uses.depths {
+        for (&what, &own) in entry.uses.depths.iter().chain(&entry.uses.behind) {
             self.need(what, own.saturating_add(depth));
         }
     }

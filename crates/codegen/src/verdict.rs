@@ -1,6 +1,6 @@
 //! What is said of the properties: what failed and when, and the verdicts, across jumps back in time as well.
 
-use lapwing_engine::program::{Clock, Group, Judge};
+use lapwing_engine::program::{Clock, Group, Judge, Positions};
 
 use crate::assemble::Writer;
 use crate::code::{Block, Expr, Stmt, Ty, elem, field, local, since};
@@ -10,6 +10,7 @@ use crate::interface::{
 };
 use crate::machines;
 use crate::obligations::Obligations;
+use crate::scene::emitter;
 
 /// What the verdict of a property is worked out from.
 pub(crate) struct End {
@@ -81,10 +82,7 @@ impl Writer<'_> {
             end.can_add = end.can_add.clone() | of.can_add();
             return;
         }
-        let never_started = match group.at.alphabet {
-            Some(_) => Expr::Bool(false),
-            None => !field(format!("{prefix}_started")),
-        };
+        let never_started = self.never_started(&group.at, prefix);
         self.ends.push(End { property, tally, never_started, full, can_add: of.can_add() });
     }
 
@@ -119,8 +117,7 @@ impl Writer<'_> {
             Judge::Machine(m) => {
                 let plan = &self.program.machines[m];
                 machines::tally(plan, m, b, &open, &missed);
-                let never =
-                    if plan.at.alphabet.is_some() { Expr::Bool(false) } else { !field(format!("m{m}_started")) };
+                let never = self.never_started(&plan.at, &format!("m{m}"));
                 let full = self.spoils.get(&m).into_iter().flatten().map(field).fold(Expr::Bool(false), |a, b| a | b);
                 (never, full, Expr::Bool(true))
             }
@@ -156,6 +153,16 @@ impl Writer<'_> {
         }
         b.0.extend(otherwise.0);
         b.set(&elem("open", p.clone()), elem("open_before", p) + open);
+    }
+
+    /// Whether there was no position 0, or, where only the events of machines make positions, none of one of these.
+    fn never_started(&self, at: &Positions, prefix: &str) -> Expr {
+        let Some(alphabet) = &at.alphabet else { return !field(format!("{prefix}_started")) };
+        let mut machines: Vec<usize> = alphabet.iter().filter_map(|&event| emitter(self.program, event)).collect();
+        machines.sort_unstable();
+        machines.dedup();
+        let never = machines.iter().map(|&m| self.never_started(&self.program.machines[m].at, &format!("m{m}")));
+        never.fold(Expr::Bool(false), |a, b| a | b)
     }
 
     /// Whether a signal has been silent for too long, the silence that lasts included.

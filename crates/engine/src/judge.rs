@@ -134,7 +134,19 @@ impl Piece {
             let name = property.stale.get(silence).map_or("a topic", |s| &*s.name);
             return Some(format!("{name} was silent from {} to {}", Time(from), Time(to)));
         }
-        is_spoilt.then(|| of_another_kind(property, at, walk))
+        if is_spoilt {
+            return Some(of_another_kind(property, at, walk));
+        }
+        property.rests_on.iter().find_map(|&machine| self.cause_of_machine(program, machine, ending))
+    }
+
+    /// Why a machine cannot be judged, and with it what only its events make positions for.
+    fn cause_of_machine(&self, program: &Program, machine: usize, ending: &Ending) -> Option<String> {
+        let plan = &program.machines[machine];
+        let name = &program.properties.get(plan.property)?.name;
+        let walk = &self.machines[machine].walk;
+        let cause = self.cause(program, plan.property, &plan.at, (walk, !walk.faults.is_empty()), ending)?;
+        Some(format!("the state diagram `{name}`: {cause}"))
     }
 
     /// What to call what did not come.

@@ -249,7 +249,10 @@ fn judge_formula(
         tally: judged.tally,
         unmet: judged.unmet,
         may_grow: judged.may_grow,
-        fault: course.fault().or_else(|| blind(world.piece, &needs, trace)),
+        fault: course
+            .fault()
+            .or_else(|| blind(world.piece, &needs, trace))
+            .or_else(|| unknown_moves(&needs, world, trace)),
         entered: vacuity::entries(&course, formula),
         instants: course.len(),
         margin: margin::of(&course, formula).filter(|_| course.spoilt().is_none()),
@@ -268,11 +271,29 @@ fn judge_machine(machine: usize, world: &World<'_>, trace: &Trace) -> Result<Fou
         unmet: run.unmet,
         // There can always be another move.
         may_grow: true,
-        fault: run.fault.clone().or_else(|| blind(world.piece, &needs, trace)),
+        fault: machine_fault(machine, world, trace),
         entered: Vec::new(),
         instants: run.positions,
         margin: None,
     })
+}
+
+/// Why nobody can tell what a machine did, or all of it.
+fn machine_fault(machine: usize, world: &World<'_>, trace: &Trace) -> Option<String> {
+    let run = &world.runs[machine];
+    let needs = machines::needs(world.piece.spec, machine);
+    if !run.starts {
+        return Some(never_starts(needs.reads, world.piece));
+    }
+    let blind = || blind(world.piece, &needs, trace);
+    run.fault.clone().or_else(blind).or_else(|| unknown_moves(&needs, world, trace))
+}
+
+/// Why nobody can tell when the events of machines occurred that something over events alone steps on.
+fn unknown_moves(needs: &Needs<'_>, world: &World<'_>, trace: &Trace) -> Option<String> {
+    let events = needs.alphabet.unwrap_or_default().iter();
+    let mut machines = events.filter_map(|&event| world.piece.spec.events[event].source.machine());
+    machines.find_map(|machine| machine_fault(machine, world, trace))
 }
 
 /// All that decides the verdict on a piece.

@@ -183,6 +183,7 @@ impl<'a> Grouping<'a> {
             topics: topics_of(self.spec, property),
             stale: stale(self.spec, property),
             waits_for: waits_for(self.spec, &property.reads),
+            rests_on: rests_on(self.spec, property.alphabet.as_deref()),
             ..engine::Property::default()
         };
         match &property.body {
@@ -291,16 +292,34 @@ fn stale(spec: &checked::Spec, property: &checked::Property) -> Vec<engine::Sile
             stale.push(silence);
         }
     };
-    let machines: &[usize] = match &property.body {
+    let mut machines = match &property.body {
         Body::Formula(formula) => {
             below(formula, &mut visit);
-            &property.machines
+            property.machines.clone()
         }
-        Body::Machine(machine) => std::slice::from_ref(machine),
-        Body::None => &[],
+        Body::Machine(machine) => vec![*machine],
+        Body::None => Vec::new(),
     };
+    rests_on(spec, property.alphabet.as_deref()).into_iter().for_each(|m| add_with_those_read(spec, m, &mut machines));
     machines.iter().flat_map(|&m| spec.machines[m].conditions()).for_each(|e| below(e, &mut visit));
     stale
+}
+
+/// Adds a machine and those that it reads, by their states or by their events.
+fn add_with_those_read(spec: &checked::Spec, machine: usize, all: &mut Vec<usize>) {
+    if all.contains(&machine) {
+        return;
+    }
+    all.push(machine);
+    let machine = &spec.machines[machine];
+    let mut read = rests_on(spec, machine.alphabet.as_deref());
+    let mut by_state = |e: &Expr| {
+        if let Kind::InState { machine, .. } = e.kind {
+            read.push(machine);
+        }
+    };
+    machine.conditions().for_each(|e| below(e, &mut by_state));
+    read.into_iter().for_each(|m| add_with_those_read(spec, m, all));
 }
 
 /// The silence that an input minds: its topic's, or, where it comes in rows, its own.
@@ -312,6 +331,15 @@ fn silence(spec: &checked::Spec, input: usize) -> Option<engine::Silence> {
         InputSource::World { .. } => return None,
     };
     Some(engine::Silence { of, name, limit })
+}
+
+/// The machines whose events make the positions of what steps on these events alone.
+fn rests_on(spec: &checked::Spec, alphabet: Option<&[usize]>) -> Vec<usize> {
+    let events = alphabet.unwrap_or_default().iter();
+    let mut machines: Vec<usize> = events.filter_map(|&event| spec.events[event].source.machine()).collect();
+    machines.sort_unstable();
+    machines.dedup();
+    machines
 }
 
 /// What a property waits for.

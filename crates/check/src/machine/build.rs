@@ -137,5 +137,6 @@ fn uses_of(cx: &Cx, machine: &Machine) -> Uses {
     }
     uses.events.extend(machine.states.iter().filter_map(|s| s.on));
     uses.events.extend(machine.edges.iter().filter_map(|e| e.on));
+    uses.wait_for_machines(&cx.machines, &cx.spec.events);
     uses
 }

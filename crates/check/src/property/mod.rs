@@ -105,6 +105,7 @@ fn instance_of(cx: &mut Cx, item: usize, judged: &Judged, all: &Instances, insta
         }
         uses.events.extend(listed);
     }
+    uses.wait_for_machines(&cx.machines, &cx.spec.events);
     let slices = slices(cx, &all.slices, &uses);
     let only_events = !uses.signals && !uses.events.is_empty();
     let name = format!("{}{}", blank.name, instance.suffix());

@@ -261,6 +261,8 @@ pub struct Property {
     pub problem: Option<String>,
     /// What it waits for: for each of [`Positions::reads`].
     pub waits_for: Vec<Awaited>,
+    /// The machines whose events make its positions: where one of them cannot be judged, neither can it.
+    pub rests_on: Vec<usize>,
 }
 
 /// Something without which a property does not begin.
