@@ -221,6 +221,12 @@ impl Desk {
         self.arrive(Bringer::Host, |arrival| arrival.pass());
     }
 
+    /// Something is to be said in the report.
+    pub fn warn(&self, message: String) {
+        let Some(_at_desk) = self.come() else { return };
+        warn(&mut self.lock(), message);
+    }
+
     /// A name that the specification does not declare was used.
     pub fn note_unknown(&self, name: &str) {
         let Some(_at_desk) = self.come() else { return };
