@@ -18,7 +18,8 @@ function base(view, height, left) {
       range: view.range.slice(), ticksuffix: " s", showgrid: true, gridcolor: colour("grid"), zeroline: false, linecolor: colour("line"),
       tickcolor: colour("line"), ticks: "outside", nticks: 9, hoverformat: ".9~g", spikecolor: colour("muted"), spikethickness: 1, spikedash: "solid", exponentformat: "none", separatethousands: false,
     },
-    shapes: [], annotations: [],
+    // The name of a state is left out where it could not be read; the pointer tells it.
+    uniformtext: { mode: "hide", minsize: 9 }, shapes: [], annotations: [],
   };
 }
 
