@@ -212,6 +212,13 @@ def narrow(browser):
         visit.drawn()
         wide = visit.page.evaluate("document.documentElement.scrollWidth")
         assert wide <= 420, wide
+        # In a stretch that is too short for its name there is none.
+        chart = visit.page.locator("figure[data-property='4']")
+        chart.scroll_into_view_if_needed()
+        expect(chart.locator(".bartext").first).to_be_attached()
+        heights = "texts => texts.filter((t) => t.textContent.trim()).map((t) => t.getBoundingClientRect().height)"
+        shown = chart.locator(".bartext").evaluate_all(heights)
+        assert shown and min(shown) > 8, shown
 
 
 def hostile_names(browser):
