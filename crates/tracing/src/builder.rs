@@ -120,9 +120,7 @@ impl<C: Send + Sync + 'static> Builder<C> {
         let desk = Arc::new(Desk::new(monitor, clock, reactions, listeners, recorder, has_waker));
         idle.into_iter().for_each(|message| desk.warn(message));
         if has_waker {
-            let desk = desk.clone();
-            let thread = std::thread::Builder::new().name("lapwing deadlines".to_owned());
-            thread.spawn(move || desk.keep_watch()).map_err(BuildError::NoThread)?;
+            desk.clone().start_watch().map_err(BuildError::NoThread)?;
         }
         Ok(Monitor::new(Shared { desk, sites: Sites::new(wants), names, assumed, is_told: AtomicBool::default() }))
     }

@@ -143,6 +143,7 @@ on violation of calm { reset  run go_on }
         assert_eq!(verdict(&report, "other"), "inconclusive");
         let cause = said(&report, "other").cause.clone().unwrap_or_default();
         assert!(cause.contains("more than 16 deep was not seen"), "{cause}");
+        assert!(report.warnings.iter().any(|w| w.message.contains("more than 16 deep")), "{:?}", report.warnings);
     }
 
     fn a_reaction_is_limited_for_each_instance() {
