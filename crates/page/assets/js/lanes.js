@@ -47,7 +47,7 @@ function cut(stretch, [from, to]) {
 }
 
 // A letter takes so many pixels when it is as small as can still be read.
-const LETTER = 5.2;
+const LETTER = 3.8;
 
 // What is written in a stretch: nothing where it could not be read. The pointer tells it.
 function written({ lane, stretch }, kind, range, pixels) {

@@ -218,7 +218,7 @@ def narrow(browser):
         expect(chart.locator(".bartext").first).to_be_attached()
         heights = "texts => texts.filter((t) => t.textContent.trim()).map((t) => t.getBoundingClientRect().height)"
         shown = chart.locator(".bartext").evaluate_all(heights)
-        assert shown and min(shown) > 8, shown
+        assert shown and min(shown) > 6, shown
 
 
 def hostile_names(browser):
