@@ -69,6 +69,9 @@ pub(super) fn document(name: &str, graphs: &[Graph]) -> String {
     )
 }
 
+/// A page may draw a graph smaller, to so much of its size: letters of 12 pixels can be read then.
+const LEAST: f64 = 0.75;
+
 /// One graph without styles, for a page that has its own.
 pub(super) fn figure(graph: &Graph, id: &str, told: &str) -> String {
     let boxes = Boxes::of(graph);
@@ -76,8 +79,9 @@ pub(super) fn figure(graph: &Graph, id: &str, told: &str) -> String {
     let (width, height) = (laid.size.0 + 2.0 * EDGE, laid.size.1 + 2.0 * EDGE);
     let (id, mut body) = (escaped(id), String::new());
     boxes.draw(graph, &laid, &id, &mut body);
+    let least = width * LEAST;
     format!(
-        "<svg width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"{:.0} {:.0} {width:.0} {height:.0}\" role=\"img\" aria-label=\"{}\">\n{}{body}</svg>\n",
+        "<svg width=\"{width:.0}\" height=\"{height:.0}\" style=\"min-width: {least:.0}px\" viewBox=\"{:.0} {:.0} {width:.0} {height:.0}\" role=\"img\" aria-label=\"{}\">\n{}{body}</svg>\n",
         -EDGE,
         -EDGE,
         escaped(told),

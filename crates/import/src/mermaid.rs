@@ -11,6 +11,7 @@ use lapwing_diag::{Code, Diagnostic};
 use crate::Report;
 use crate::chart::{
     self, Annotation, Arrow, Chart, Clauses, Kind, MOST_ARROWS, MOST_DEPTH, MOST_NODES, Place, Trigger, annotation,
+    renamed,
 };
 use crate::names::slug;
 use crate::sheet::Sheet;
@@ -451,8 +452,7 @@ impl Reader<'_> {
             let name = slug(&node.id);
             if name != node.id && node.children.is_empty() && node.kind == Kind::State {
                 let span = self.report.span(node.place.start, node.place.end);
-                let message = format!("the state `{}` is called `{name}` here", node.id);
-                self.report.push(Diagnostic::new(Code::ImportRenamed, span, message));
+                self.report.push(renamed("state", &node.id, &name, span));
             }
         }
     }
@@ -469,6 +469,10 @@ impl Reader<'_> {
             };
             let label = chart::label(&text, place);
             let said = |range: &Option<Range<usize>>| range.clone().map(|r| at + r.start..at + r.end);
+            if let (Some((written, range)), Some(on)) = (&label.renamed, &label.on) {
+                let place = at + range.start..at + range.end;
+                self.report.push(renamed("event", written, on, self.report.span(place.start, place.end)));
+            }
             if let Some(place) = said(&label.prose) {
                 let what = label.when.as_ref().map(lapwing_syntax::print_expr).unwrap_or_default();
                 let message = format!("the guard is a text: it has become the signal `{what}`");

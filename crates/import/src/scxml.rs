@@ -93,6 +93,7 @@ impl Reader<'_> {
             }
             let id = child.get("id").map_or_else(|| format!("state_{}", self.chart.nodes.len()), str::to_owned);
             let node = self.chart.add(&id, kind, parent, child.place.clone());
+            self.mention_name("state", &id, &child.place);
             if self.known.insert(id.clone(), node).is_some() {
                 self.failed = true;
                 wrong(self.report, &child.place, format!("two states have the id `{id}`"));
@@ -217,9 +218,21 @@ impl Reader<'_> {
                 let message = format!("`{descriptor}` is read as the events that the chart names");
                 self.report.push(Diagnostic::new(Code::ImportDiffers, span, message).label("others are not seen"));
             }
-            found.extend(fitting.into_iter().map(|e| (node, Trigger::Event(slug(e)))));
+            let fitting: Vec<String> = fitting.into_iter().cloned().collect();
+            fitting.iter().for_each(|e| self.mention_name("event", e, &transition.place));
+            found.extend(fitting.iter().map(|e| (node, Trigger::Event(slug(e)))));
         }
         found
+    }
+
+    /// Says once that something has another name here.
+    fn mention_name(&mut self, what: &str, written: &str, place: &Range<usize>) {
+        let name = slug(written);
+        let message = chart::renamed(what, written, &name, self.report.span(place.start, place.end));
+        let is_said = |known: &Diagnostic| known.code == message.code && known.message == message.message;
+        if name != written && !self.report.diagnostics.iter().any(is_said) {
+            self.report.push(message);
+        }
     }
 
     fn mention_code(&mut self) {

@@ -68,7 +68,58 @@ fn a_diagram_with_states_in_states_choices_and_ends() {
         "#]],
     );
     let said: Vec<&str> = found.lines().collect();
-    assert_eq!(said, ["import-code: \"/ creak\"", "import-trigger: \"broken --> [*]\""]);
+    assert_eq!(
+        said,
+        ["import-code: \"/ creak\"", "import-renamed: \"turn key\"", "import-trigger: \"broken --> [*]\""]
+    );
+}
+
+/// The example of Mermaid's own pages: nothing says which of the two comes after the first.
+#[test]
+fn a_state_that_is_done_may_go_on_to_several() {
+    let text = "stateDiagram-v2\n    [*] --> First\n    First --> Second\n    First --> Third\n    state First {\n        [*] --> fir\n        \
+                fir --> [*]\n    }\n    state Second {\n        [*] --> sec\n        sec --> [*]\n    }\n    state Third {\n        [*] --> thi\n    }\n";
+    let found = check(
+        "nested.mmd",
+        text,
+        expect![[r#"
+            event First_final
+            event sec
+            event Second_final
+            event thi
+
+            # First is: nested == fir or nested == First_final
+            # Second is: nested == sec or nested == Second_final
+            # Third is: nested == thi
+            machine nested {
+                initial fir
+                state fir
+                state First_final on First_final
+                state sec on sec
+                state Second_final on Second_final
+                state thi on thi
+                fir -> First_final
+                First_final -> sec
+                First_final -> thi
+                sec -> Second_final
+            }
+        "#]],
+    );
+    assert_eq!(found, "import-trigger: \"fir --> [*]\"\n");
+    let machine = imported("nested.mmd", text).sound().text;
+    assert_eq!(after(&machine, &["First_final", "thi"]), "thi");
+    assert_eq!(after(&machine, &["First_final", "sec", "Second_final"]), "Second_final");
+}
+
+#[test]
+fn names_that_are_none_here_are_told() {
+    let text = "<scxml xmlns=\"http://www.w3.org/2005/07/scxml\" initial=\"arm.down\">\n<state id=\"arm.down\"><transition event=\"lift arm.raise\" \
+                target=\"up\"/></state>\n<state id=\"up\"><transition event=\"arm.*\" target=\"arm.down\"/></state>\n</scxml>\n";
+    let came = imported("arm.scxml", text).sound();
+    assert!(came.text.contains("arm_down -> up on arm_raise\n"), "{}", came.text);
+    let renamed: Vec<&str> = came.found.lines().filter(|l| l.starts_with("import-renamed")).collect();
+    let arrow = "import-renamed: \"<transition event=\\\"lift arm.raise\\\" target=\\\"up\\\"/>\"";
+    assert_eq!(renamed, ["import-renamed: \"<state id=\\\"arm.down\\\">\"", arrow]);
 }
 
 #[test]

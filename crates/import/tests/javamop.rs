@@ -294,6 +294,20 @@ fn events_in_the_place_of_a_call_and_at_overloads() {
 }
 
 #[test]
+fn what_an_event_holds_back_and_whose_subtypes_it_means_is_told() {
+    let events = "event fast around(Motor m, int s): call(void Motor+.set(int)) && target(m) && args(s) && if(s > 700) { __SKIP; }\n\
+                  event slow before(Motor m): call(void Motor.slow(List+)) && target(m) {}";
+    let came = imported("m.mop", &monitor(events, "ltl: [] !(fast and slow)")).sound();
+    assert!(
+        came.text.contains("event fast = call Motor::set when s > 700\nevent slow = call Motor::slow\n"),
+        "{}",
+        came.text
+    );
+    let told: Vec<&str> = came.found.lines().filter(|l| l.starts_with("import-differs")).collect();
+    assert_eq!(told, ["import-differs: \"call(void Motor+.set(int))\"", "import-differs: \"__SKIP\""]);
+}
+
+#[test]
 fn a_handler_for_each_becomes_a_diagram_for_each() {
     let came = imported("m.mop", &monitor(ABC, "ere: a b* c @match { r.stop(); } @fail { System.exit(2); }")).sound();
     expect![[r#"

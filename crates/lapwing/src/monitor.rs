@@ -50,6 +50,8 @@ pub struct News {
     pub violation: Violation,
     /// Whether another one of the property was found at the same moment: who reacts has been told already.
     pub is_further: bool,
+    /// When the first sample came, from which times are shown to people where they count in some calendar.
+    pub start: Time,
 }
 
 /// What a program could not show, and why: what reads it and did not fail is inconclusive.
@@ -124,7 +126,8 @@ impl Monitor {
     pub fn news(&mut self) -> Option<News> {
         let untold = self.run.news()?;
         let Untold { number, instance, property, violation, is_further } = untold;
-        Some(News { number, instance, property, violation, is_further })
+        let start = self.span.map_or(violation.began, |(start, _)| start);
+        Some(News { number, instance, property, violation, is_further, start })
     }
 
     /// The monitor of a property, or of an instance of it, starts afresh: its past is forgotten, its violations stand. Returns whether it

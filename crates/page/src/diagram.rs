@@ -20,7 +20,7 @@ pub fn figure(graph: &Graph, property: usize) -> String {
     )
 }
 
-/// The picture, which scrolls where there is no room for it.
+/// The picture, which is drawn smaller where there is little room for it, and scrolls where there is still less.
 fn drawing(graph: &Graph, property: usize) -> String {
     let told = format!("State diagram of {}: {}", graph.title, told(graph));
     let svg = lapwing_draw::figure(graph, &format!("head-{property}"), &told);

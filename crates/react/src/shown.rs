@@ -17,10 +17,12 @@ pub struct Origin(pub Time);
 impl Origin {
     /// Zero, or the beginning of a recording that counts in some calendar.
     pub fn of(report: &Report) -> Origin {
-        match report.span {
-            Some((start, _)) if start.0.unsigned_abs() >= CALENDAR as u64 => Origin(start),
-            _ => Origin(Time(0)),
-        }
+        report.span.map_or(Origin(Time(0)), |(start, _)| Origin::of_start(start))
+    }
+
+    /// The same, of what begins at that time.
+    pub fn of_start(start: Time) -> Origin {
+        if start.0.unsigned_abs() >= CALENDAR as u64 { Origin(start) } else { Origin(Time(0)) }
     }
 
     /// A stamp in seconds, to the microsecond: `12.5 s`.

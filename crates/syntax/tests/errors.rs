@@ -77,6 +77,8 @@ fn cures() {
         ("nevr x > 2", "never x > 2"),
         ("never x > 2 adn y", "never x > 2 and y"),
         ("after x never y", "after x, never y"),
+        ("event e = call Kicker.play", "event e = call Kicker::play"),
+        ("event e = set A.x below Kicker.play", "event e = set A.x below Kicker::play"),
         ("whenever x == 0 eventually y", "whenever x == 0, eventually y"),
         ("never x =< 2", "never x <= 2"),
         ("after_until x, y > 2 eventually z", "after_until x, y > 2, eventually z"),

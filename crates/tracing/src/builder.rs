@@ -4,9 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::io::Write;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use lapwing::{Spec, SpecError};
 use lapwing_check::checked::{self, Action};
+use lapwing_diag::suggest::{listed, nearest};
 use lapwing_stream::Time;
 
 use crate::clock::{Clock, SystemClock};
@@ -108,18 +110,19 @@ impl<C: Send + Sync + 'static> Builder<C> {
         if !missing.is_empty() {
             return Err(BuildError::MissingHandlers(missing));
         }
+        let idle = idle_handlers(meaning, &handlers);
         let wants = Wants::of(meaning).ok_or(BuildError::TooMuch)?;
         let names = Names::of(meaning);
         let reactions = Reactions::new(meaning, handlers);
         let recorder = recording.map(|out| Recorder::new(out, meaning));
+        let idle = idle.map(|names| format!("no reaction of {} runs what is registered as {names}", spec.name()));
         let has_waker = wakes && monitor.may_wait() && clock.until_beyond(Time(i64::MAX)).is_some();
         let desk = Arc::new(Desk::new(monitor, clock, reactions, listeners, recorder, has_waker));
+        idle.into_iter().for_each(|message| desk.warn(message));
         if has_waker {
-            let desk = desk.clone();
-            let thread = std::thread::Builder::new().name("lapwing deadlines".to_owned());
-            thread.spawn(move || desk.keep_watch()).map_err(BuildError::NoThread)?;
+            desk.clone().start_watch().map_err(BuildError::NoThread)?;
         }
-        Ok(Monitor::new(Shared { desk, sites: Sites::new(wants), names, assumed }))
+        Ok(Monitor::new(Shared { desk, sites: Sites::new(wants), names, assumed, is_told: AtomicBool::default() }))
     }
 
     /// The monitor, watching the whole program: [`Monitor::install`].
@@ -148,6 +151,14 @@ fn missing_handlers(
         _ => None,
     });
     missing.collect()
+}
+
+/// The handlers that no reaction calls, in words.
+fn idle_handlers(meaning: &checked::Spec, handlers: &BTreeMap<String, Handler>) -> Option<String> {
+    let actions = || meaning.reactions.iter().flat_map(|r| &r.actions);
+    let is_called = |name: &str| actions().any(|action| matches!(action, Action::Run(called) if called == name));
+    let idle: Vec<&str> = handlers.keys().map(String::as_str).filter(|name| !is_called(name)).collect();
+    (!idle.is_empty()).then(|| listed(idle))
 }
 
 /// Why there is no monitor.
@@ -181,9 +192,11 @@ pub struct MissingHandler {
 impl fmt::Display for MissingHandler {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{}: no handler `{}` is registered", self.file, self.line, self.name)?;
-        match self.known.as_slice() {
-            [] => f.write_str(", nor any other"),
-            known => write!(f, "; there are {}", known.join(", ")),
+        let known = || self.known.iter().map(String::as_str);
+        match nearest(&self.name, known()) {
+            Some(near) => write!(f, "; did you mean `{near}`?"),
+            None if self.known.is_empty() => f.write_str(", nor any other"),
+            None => write!(f, "; those that are: {}", listed(known())),
         }
     }
 }

@@ -6,9 +6,10 @@
 use std::any::Any;
 use std::cell::Cell;
 use std::collections::BTreeSet;
+use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 use lapwing::{Monitor, News, Unseen};
 use lapwing_check::checked::Action;
@@ -29,6 +30,9 @@ const MOST_UNKNOWN: usize = 16;
 
 /// So many different warnings of what went wrong in handlers and listeners are kept, to be told.
 const MOST_WARNINGS: usize = 64;
+
+/// So many threads may be inside of handlers of what turned out by the mere passing of time. With one more, deadlines wait for the last of them.
+const MOST_ANSWERING: usize = 16;
 
 thread_local! {
     /// How many handlers this thread is inside of.
@@ -76,6 +80,8 @@ pub(crate) struct Desk {
     listeners: Vec<Listener>,
     /// Whether a thread waits for deadlines.
     has_waker: bool,
+    /// How many threads that waited for deadlines are inside of handlers.
+    answering: AtomicUsize,
     /// Whether an arrival was turned away because it came from the desk itself.
     has_turned_away: AtomicBool,
 }
@@ -175,6 +181,7 @@ impl Desk {
             reactions,
             listeners,
             has_waker,
+            answering: AtomicUsize::new(0),
             has_turned_away: AtomicBool::new(false),
         }
     }
@@ -194,15 +201,13 @@ impl Desk {
 
     /// Something arrives. What it violates is answered before this returns.
     pub fn arrive(&self, bringer: Bringer, what: impl FnOnce(&mut Arrival<'_>)) {
-        let Some(at_desk) = self.come() else { return };
-        let all_news = self.take(what);
-        drop(at_desk);
-        all_news.iter().for_each(|news| self.answer(bringer, news));
+        self.take(what).iter().for_each(|news| self.answer(bringer, news));
     }
 
     /// Steps what arrives. Gives what it violates.
     fn take(&self, what: impl FnOnce(&mut Arrival<'_>)) -> Vec<News> {
         let mut all_news = Vec::new();
+        let Some(_at_desk) = self.come() else { return all_news };
         let mut inner = self.lock();
         if inner.is_over {
             return all_news;
@@ -219,6 +224,12 @@ impl Desk {
     /// The host's clock has gone on: bounds that ended before are over.
     pub fn advance(&self) {
         self.arrive(Bringer::Host, |arrival| arrival.pass());
+    }
+
+    /// Something is to be said in the report.
+    pub fn warn(&self, message: String) {
+        let Some(_at_desk) = self.come() else { return };
+        warn(&mut self.lock(), message);
     }
 
     /// A name that the specification does not declare was used.
@@ -311,8 +322,9 @@ impl Desk {
         }
     }
 
-    /// Waits for deadlines, and answers what then turns out, until it is over: the work of a thread of its own.
-    pub fn keep_watch(&self) {
+    /// Waits for deadlines, and answers what then turns out, until it is over: the work of a thread of its own. While a handler runs, which may
+    /// block, another thread keeps watch in its place.
+    pub fn keep_watch(self: &Arc<Desk>) {
         let mut inner = self.lock();
         while !inner.is_over {
             inner.awaited = inner.monitor.next_deadline();
@@ -323,12 +335,39 @@ impl Desk {
                 None => self.changed.wait(inner).unwrap_or_else(PoisonError::into_inner),
                 Some(wait) if wait.is_zero() => {
                     drop(inner);
-                    self.advance();
+                    let all_news = self.take(|arrival| arrival.pass());
+                    let is_relieved = all_news.iter().any(|news| self.runs_a_handler(news)) && self.relieve();
+                    all_news.iter().for_each(|news| self.answer(Bringer::Host, news));
+                    if is_relieved {
+                        self.answering.fetch_sub(1, Ordering::Relaxed);
+                        return;
+                    }
                     self.lock()
                 }
                 Some(wait) => self.changed.wait_timeout(inner, wait).unwrap_or_else(PoisonError::into_inner).0,
             };
         }
+    }
+
+    fn runs_a_handler(&self, news: &News) -> bool {
+        let runs = |action: &Action| matches!(action, Action::Run(_));
+        !news.is_further && self.reactions.to(news.number).any(|(_, reaction)| reaction.actions.iter().any(runs))
+    }
+
+    /// Whether another thread keeps watch from now on, while this one answers.
+    fn relieve(self: &Arc<Desk>) -> bool {
+        let desk = self.clone();
+        let is_possible = self.answering.fetch_add(1, Ordering::Relaxed) < MOST_ANSWERING && desk.start_watch().is_ok();
+        if !is_possible {
+            self.answering.fetch_sub(1, Ordering::Relaxed);
+        }
+        is_possible
+    }
+
+    /// A thread waits for deadlines.
+    pub fn start_watch(self: Arc<Desk>) -> io::Result<()> {
+        let thread = std::thread::Builder::new().name("lapwing deadlines".to_owned());
+        thread.spawn(move || self.keep_watch()).map(|_| ())
     }
 
     /// Nobody watches any more.
@@ -358,6 +397,10 @@ impl Desk {
         inner.is_over = true;
         self.changed.notify_all();
         let mut unseen = unseen(&inner.raised);
+        if !(inner.lost.events.is_empty() && inner.lost.columns.is_empty()) {
+            // What is violated has no cause that would say it.
+            warn(&mut inner, too_deep());
+        }
         unseen.events.extend(std::mem::take(&mut inner.lost.events));
         unseen.columns.extend(std::mem::take(&mut inner.lost.columns));
         let mut report = inner.monitor.finish(&unseen);

@@ -5,6 +5,7 @@ use std::fmt;
 
 use lapwing::News;
 use lapwing_react::Reading;
+use lapwing_react::shown::Origin;
 use lapwing_stream::{Time, Value};
 
 /// A violation, as a handler sees it.
@@ -65,10 +66,11 @@ impl<'v> Violation<'v> {
 }
 
 impl fmt::Display for Violation<'_> {
-    /// One line: `soccer.rv:12: init is violated at 3.5 s`.
+    /// One line: `soccer.rv:12: init is violated at 3.5 s`. As in reports, times that count in some calendar are shown from the first arrival.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (file, line, _) = self.place();
-        write!(f, "{file}:{line}: {} is violated at {}", self.property(), self.failed())?;
+        let failed = Origin::of_start(self.news.start).time(self.failed());
+        write!(f, "{file}:{line}: {} is violated at {failed}", self.property())?;
         self.details().why.as_ref().map_or(Ok(()), |why| write!(f, ": {why}"))
     }
 }

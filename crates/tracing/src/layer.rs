@@ -118,6 +118,9 @@ impl MonitorLayer {
         let metadata = event.metadata();
         let is_own = |site: &Arc<Site>| site.origin.is_at(metadata.file(), metadata.line());
         let Some(site) = spans.change(id, |note| note.site.clone()).flatten().filter(is_own) else { return };
+        if metadata.fields().iter().any(|field| field.name() == "return") {
+            site.origin.note_result();
+        }
         let record = |scratch: &mut Scratch| event.record(&mut TakeReturn { into: scratch });
         self.tell_return(&site, record, |look| {
             spans.change(id, |note| {
@@ -236,11 +239,13 @@ where
         }
     }
 
-    /// The end of a function that did not record what it returned is its return, unless a panic ends it.
+    /// The end of a function that did not record what it returned is its return, unless a panic ends it, or it is known to record that: then
+    /// its future was dropped.
     fn on_close(&self, id: span::Id, _context: Context<'_, S>) {
         let Some(note) = self.spans.end(id.into_u64()) else { return };
         let site = note.site.clone().filter(|site| site.span.as_ref().is_some_and(|s| !s.returns.is_empty()));
-        if let Some(site) = site.filter(|_| !note.has_returned && !note.ends_by_panic()) {
+        let is_return = |site: &Arc<Site>| !note.has_returned && !note.ends_by_panic() && !site.origin.records_result();
+        if let Some(site) = site.filter(is_return) {
             site.origin.note_end_without_return();
             self.tell_return(&site, |_| {}, |look| look(&note));
         }

@@ -48,6 +48,7 @@ mod clock;
 mod handlers;
 mod monitor;
 
+mod hints;
 mod layer;
 mod literal;
 mod scratch;

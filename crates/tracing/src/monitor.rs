@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use lapwing_check::checked::{self, EventSource};
 use lapwing_react::Report;
@@ -50,6 +51,8 @@ pub(crate) struct Shared {
     pub names: Names,
     /// Functions and fields that are there, even if they are never reached.
     pub assumed: BTreeSet<String>,
+    /// Whether the host tells values of signals.
+    pub is_told: AtomicBool,
 }
 
 impl Drop for Shared {
@@ -160,6 +163,7 @@ impl Monitor {
 
     /// Several signals get values at once: one instant.
     pub fn set_all(&self, signals: &[(&str, Value)]) {
+        self.shared.is_told.store(true, Ordering::Relaxed);
         let width = self.shared.names.columns.len();
         Scratch::with(width, |scratch| {
             let mut is_read = false;
@@ -197,6 +201,10 @@ impl Monitor {
     /// A clock, or a recording's writer, that is called while something arrives cannot end it: its report has no properties, and a gap.
     pub fn finish(&self) -> Report {
         let Shared { desk, sites, assumed, .. } = &*self.shared;
+        // A program that tells signals has no call sites for them.
+        if !self.shared.is_told.load(Ordering::Relaxed) {
+            sites.misnamed(assumed).into_iter().for_each(|message| desk.warn(message));
+        }
         desk.finish(|raised| sites.unseen(raised, assumed))
     }
 }

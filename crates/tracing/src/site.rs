@@ -89,11 +89,18 @@ pub(crate) struct Origin {
     line: Option<u32>,
     /// Whether a span of it ended of itself without having recorded what it returned.
     ended_without_return: AtomicBool,
+    /// Whether one has recorded what it returned: then one that does not has not returned.
+    has_result: AtomicBool,
 }
 
 impl Origin {
     pub fn of(place: &Place<'_>) -> Origin {
-        Origin { file: place.file.map(str::to_owned), line: place.line, ended_without_return: AtomicBool::new(false) }
+        Origin {
+            file: place.file.map(str::to_owned),
+            line: place.line,
+            ended_without_return: AtomicBool::default(),
+            has_result: AtomicBool::default(),
+        }
     }
 
     /// Whether it is the same place: `#[instrument]` puts what a function returns at the place of its span.
@@ -107,6 +114,17 @@ impl Origin {
 
     pub fn has_ended_without_return(&self) -> bool {
         self.ended_without_return.load(Ordering::Relaxed)
+    }
+
+    pub fn note_result(&self) {
+        // It is asked for at every end, and said at every return.
+        if !self.records_result() {
+            self.has_result.store(true, Ordering::Relaxed);
+        }
+    }
+
+    pub fn records_result(&self) -> bool {
+        self.has_result.load(Ordering::Relaxed)
     }
 }
 

@@ -11,6 +11,7 @@ use lapwing::Unseen;
 use tracing::Metadata;
 use tracing::callsite::Identifier;
 
+use crate::hints;
 use crate::site::Site;
 use crate::wants::{Need, Oneness, Place, PlaceKind, Wants};
 
@@ -151,6 +152,19 @@ impl Sites {
         unseen
     }
 
+    /// Signals that no call site gives, but one that is called alike may be meant to.
+    pub fn misnamed(&self, assumed: &BTreeSet<String>) -> Vec<String> {
+        let misnamed = |column: usize| {
+            let name = self.wants.name(Need::Column(column));
+            let hint = self.read(|table| {
+                let is_given = assumed.contains(&name) || table.givers.contains_key(&Need::Column(column));
+                if is_given { String::new() } else { hints::field(&name, &table.known) }
+            });
+            (!hint.is_empty()).then(|| format!("no field `{name}` was seen{hint}"))
+        };
+        (0..self.wants.columns()).filter_map(misnamed).collect()
+    }
+
     /// Why nobody can tell what gives something: two do.
     fn doubt(&self, need: Need) -> Option<String> {
         self.read(|table| table.barred.contains(&need).then(|| self.two(table, need)))
@@ -159,30 +173,42 @@ impl Sites {
     /// Why something was never given.
     fn missing(&self, need: Need, assumed: &BTreeSet<String>) -> Option<String> {
         let name = self.wants.name(need);
-        let what = if self.wants.oneness(need) == Oneness::Module { "field" } else { "function" };
         let is_there = assumed.contains(&name) || self.read(|table| table.givers.contains_key(&need));
-        (!is_there).then(|| {
-            format!("no {what} `{name}` was seen: it was never reached, is not instrumented, or a filter turns it off")
-        })
-    }
-
-    /// A function whose result is asked for, but that does not record it.
-    fn missing_result(&self, event: usize) -> Option<String> {
-        if !self.wants.wants_result(event) {
+        if is_there {
             return None;
         }
-        let is_silent = |entry: &Entry| match entry {
+        let (what, hint) = self.read(|table| match self.wants.oneness(need) {
+            Oneness::Module => ("field", hints::field(&name, &table.known)),
+            Oneness::Function | Oneness::Any => ("function", hints::function(&name, &table.known)),
+        });
+        Some(format!(
+            "no {what} `{name}` was seen: it was never reached, is not instrumented, or a filter turns it off{hint}"
+        ))
+    }
+
+    /// A function whose result is asked for, but that does not record it; one that does, but of which nobody knew that when it ended otherwise.
+    fn missing_result(&self, event: usize) -> Option<String> {
+        let is_silent = |entry: &&Entry| match entry {
             Entry::Site(site) => {
                 let returns = site.span.iter().flat_map(|span| &span.returns);
                 site.origin.has_ended_without_return() && returns.into_iter().any(|r| r.event == event)
             }
             Entry::Return => false,
         };
-        let found = self.read(|table| table.entries.values().flatten().any(is_silent));
-        found.then(|| {
-            let name = self.wants.name(Need::Event(event));
-            format!("`{name}` ended without recording what it returned: `#[instrument(ret)]` does")
-        })
+        let records_result = |entry: &Entry| matches!(entry, Entry::Site(site) if site.origin.records_result());
+        let found = self.read(|table| table.entries.values().flatten().find(is_silent).map(records_result))?;
+        let name = self.wants.name(Need::Event(event));
+        match found {
+            true => Some(format!(
+                "a future of `{name}` was dropped before it was done, and taken for done: it was the first, and nothing had said yet that \
+                 `{name}` records what it returns"
+            )),
+            false if self.wants.wants_result(event) => Some(format!(
+                "`{name}` ended without recording what it returned: `#[instrument(ret)]` does; where that is there already, its future was \
+                 dropped before it was done"
+            )),
+            false => None,
+        }
     }
 
     fn two(&self, table: &Table, need: Need) -> String {

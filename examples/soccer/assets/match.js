@@ -135,10 +135,12 @@
     });
     bar.fillStyle = ink("--bad");
     violations.forEach(({ at }) => {
+      // One at the very end is not to be cut.
+      const x = Math.min(bar.canvas.width - 9, Math.max(9, across(at)));
       bar.beginPath();
-      bar.moveTo(across(at), 24);
-      bar.lineTo(across(at) - 9, 4);
-      bar.lineTo(across(at) + 9, 4);
+      bar.moveTo(x, 24);
+      bar.lineTo(x - 9, 4);
+      bar.lineTo(x + 9, 4);
       bar.fill();
     });
     bar.fillStyle = ink("--ink");

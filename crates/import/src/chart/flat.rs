@@ -90,11 +90,19 @@ fn refused(chart: &Chart, root: usize) -> Vec<(Range<usize>, &'static str)> {
         .collect();
     let done: Vec<&Arrow> = chart.arrows.iter().filter(|a| a.trigger == Trigger::Done && a.when.is_none()).collect();
     let holds = |n: usize| chart.nodes.get(n).is_some_and(|n| !n.children.is_empty());
-    let torn = done.iter().enumerate().filter(|(n, a)| holds(a.from) && done[..*n].iter().any(|b| b.from == a.from));
+    let again = |(n, a): &(usize, &&Arrow)| holds(a.from) && done[..*n].iter().any(|b| b.from == a.from);
+    // Of a drawing both are moves that are allowed.
+    let torn = done.iter().enumerate().filter(|_| chart.ordered).filter(again);
     wrong.extend(torn.map(|(_, a)| (a.place.clone(), "another arrow leaves the state when it is done")));
     let crossing = chart.arrows.iter().find(|a| chart.is_in(a.from, root) != chart.is_in(a.to, root));
     wrong.extend(crossing.map(|a| (a.place.clone(), "the arrow leads from one region to another")));
     wrong
+}
+
+/// The arrow by which a state is left once it is done; `None` where there is none, or several are drawn.
+fn goes_on(chart: &Chart, node: usize) -> Option<&Arrow> {
+    let mut done = chart.arrows.iter().filter(|a| a.from == node && a.trigger == Trigger::Done && a.when.is_none());
+    done.next().filter(|_| done.next().is_none())
 }
 
 /// An edge in the making: the nearer the state that its arrow leaves, the sooner it is tried.
@@ -122,8 +130,7 @@ struct Flat<'c, 'r> {
 
 impl<'c, 'r> Flat<'c, 'r> {
     fn new(chart: &'c Chart, root: usize, report: &'r mut Report) -> Flat<'c, 'r> {
-        let is_done =
-            |n: usize| chart.arrows.iter().any(|a| a.from == n && a.trigger == Trigger::Done && a.when.is_none());
+        let is_done = |n: usize| goes_on(chart, n).is_some();
         let is_leaf = |n: &usize| {
             chart.nodes.get(*n).is_some_and(|node| {
                 let passes = node.kind == Kind::Final && node.parent != root && is_done(node.parent);
@@ -154,12 +161,7 @@ impl<'c, 'r> Flat<'c, 'r> {
             let Some(found) = self.chart.nodes.get(node) else { return node };
             let parent = found.parent;
             if found.kind == Kind::Final && parent != self.root {
-                match self
-                    .chart
-                    .arrows
-                    .iter()
-                    .find(|a| a.from == parent && a.trigger == Trigger::Done && a.when.is_none())
-                {
+                match goes_on(self.chart, parent) {
                     Some(done) => node = done.to,
                     None => return node,
                 }
@@ -211,7 +213,8 @@ impl<'c, 'r> Flat<'c, 'r> {
                         if !is_end {
                             continue;
                         }
-                        way.trigger = Trigger::Eventless;
+                        let is_certain = chart.ordered || arrow.when.is_some() || goes_on(chart, node).is_some();
+                        way.trigger = if is_certain { Trigger::Eventless } else { Trigger::Unsaid };
                     }
                     if arrow.stays {
                         ways.push(Way { to: leaf, ..way });

@@ -25,6 +25,8 @@ pub(crate) struct Label {
     pub on: Option<String>,
     pub when: Option<Expr>,
     pub otherwise: bool,
+    /// An event whose name is none here, as it is written; its place in the label.
+    pub renamed: Option<(String, Range<usize>)>,
     /// A guard in prose, which has become a name; its place in the label.
     pub prose: Option<Range<usize>>,
     /// What stands in brackets behind the event, `timeout(2 s)`; its place in the label.
@@ -146,7 +148,9 @@ fn drawn(text: &str) -> Label {
         false => (name, Some(start + name.len()..start + event.len())),
     };
     let given = given.filter(|g| text.get(g.clone()).is_some_and(|t| t.contains(|c: char| c.is_alphanumeric())));
-    Label { on: Some(slug(name)), given, action, ..guarded }
+    let (written, on) = (name.trim(), slug(name));
+    let renamed = (on != written).then(|| (written.to_owned(), start..start + written.len()));
+    Label { on: Some(on), renamed, given, action, ..guarded }
 }
 
 fn guarded(text: &str, at: usize) -> Label {

@@ -5,6 +5,7 @@ mod label;
 
 use std::ops::Range;
 
+use lapwing_diag::{Code, Diagnostic, Span};
 use lapwing_syntax::ast::Expr;
 
 pub(crate) use flat::write;
@@ -94,6 +95,11 @@ pub(crate) enum Trigger {
     Eventless,
     /// It is drawn, and nothing says when.
     Unsaid,
+}
+
+/// A state or an event, `what`, is called otherwise here, since its name is none of the language.
+pub(crate) fn renamed(what: &str, written: &str, name: &str, place: Span) -> Diagnostic {
+    Diagnostic::new(Code::ImportRenamed, place, format!("the {what} `{written}` is called `{name}` here"))
 }
 
 impl Chart {

@@ -54,6 +54,9 @@ pub(super) fn declare(spec: &str, event: &Event<'_>, sheet: &mut Sheet, report: 
             unsaid(event, report, place, &why);
             blank()
         });
+        if declared.source.is_some() {
+            parts.iter().filter(|(_, negated)| !negated).for_each(|(atom, _)| mention_subtypes(atom, report));
+        }
         // Overloads of a function are one function in Rust, and whatever is told by its name is told by one.
         if !all.contains(&declared) {
             all.push(declared);
@@ -93,6 +96,18 @@ fn place_in(
         }
     }
     sheet.event(declared)
+}
+
+/// `Collection+` is a class with all that extend it; a function of ours stands in one module.
+fn mention_subtypes(atom: &Atom<'_>, report: &mut Report) {
+    let found = kind(atom.word).and_then(|kind| join(atom, kind)).filter(|j| j.with_subtypes);
+    let Some(class) = found.and_then(|j| j.class) else { return };
+    let place = atom.place();
+    let message = format!("`{class}+` is read as `{class}`");
+    report.push(
+        Diagnostic::new(Code::ImportDiffers, report.span(place.start, place.end), message)
+            .label("what extends it has functions of its own: say which are meant"),
+    );
 }
 
 fn unsaid(event: &Event<'_>, report: &mut Report, place: lapwing_diag::Span, why: &str) {
@@ -141,6 +156,8 @@ struct Join {
     kind: &'static str,
     /// The class, where it is named.
     class: Option<String>,
+    /// Whether what extends the class is meant too.
+    with_subtypes: bool,
     member: String,
     /// Whether a part of it is a wildcard.
     wild: bool,
@@ -295,10 +312,12 @@ fn join(atom: &Atom<'_>, kind: &'static str) -> Option<Join> {
     let pattern: String = (begin..end).map(of).collect();
     let mut segments: Vec<&str> = pattern.split('.').filter(|s| !s.is_empty()).collect();
     let member = segments.pop()?;
-    let class = segments.pop().map(|class| class.trim_end_matches('+'));
+    let class = segments.pop();
+    let with_subtypes = class.is_some_and(|class| class.ends_with('+'));
+    let class = class.map(|class| class.trim_end_matches('+'));
     let wild = member.contains('*') || class.is_some_and(|class| class.contains('*') && class != "*");
     let class = class.filter(|class| *class != "*").map(slug);
-    Some(Join { kind, class, member: snake(member), wild })
+    Some(Join { kind, class, with_subtypes, member: snake(member), wild })
 }
 
 /// `condition(!res)`

@@ -107,6 +107,7 @@ impl<'s, 't> Monitor<'s, 't> {
         };
         let monitor = Monitor { spec, events, order, bound, each };
         monitor.mention_code(report);
+        monitor.mention_skips(report);
         monitor.mention_modifiers(report);
         monitor.mention_twins(sheet, report);
         for block in &spec.blocks {
@@ -170,6 +171,13 @@ impl<'s, 't> Monitor<'s, 't> {
             diagnostic = diagnostic.also(report.span(place.start, place.end), "nor this");
         }
         report.push(diagnostic.help("what a report says of each event it need not say; state belongs to the program"));
+    }
+
+    /// Events that keep what they are about from happening.
+    fn mention_skips(&self, report: &mut Report) {
+        for event in &self.spec.events {
+            handler::read(event.advice, "x").beyond.into_iter().for_each(|place| skips(place, report));
+        }
     }
 
     fn block(&self, block: &Block<'_>, sheet: &mut Sheet, report: &mut Report) {
@@ -421,12 +429,7 @@ impl<'s, 't> Monitor<'s, 't> {
     fn reaction(&self, property: &str, handler: &Handler<'_>, sheet: &mut Sheet, report: &mut Report) {
         let own = format!("{property}_{}", slug(&handler.name.text));
         let read = handler::read(handler.body, &own);
-        for place in read.beyond {
-            let message = "`__SKIP` has no counterpart: what was called goes on";
-            let span = report.span(place.start, place.end);
-            report
-                .push(Diagnostic::new(Code::ImportDiffers, span, message).help("on ROS a `guard` holds messages back"));
-        }
+        read.beyond.into_iter().for_each(|place| skips(place, report));
         if read.has_code {
             let span = report.span(handler.name.place.start, handler.name.place.end);
             let message = format!("the code of `@{}` does not come along", handler.name.text);
@@ -453,6 +456,12 @@ impl<'s, 't> Monitor<'s, 't> {
             sheet.reactions.push(Reaction { property: property.to_owned(), remark, actions: read.actions });
         }
     }
+}
+
+fn skips(place: std::ops::Range<usize>, report: &mut Report) {
+    let message = "`__SKIP` has no counterpart: what was called goes on";
+    let span = report.span(place.start, place.end);
+    report.push(Diagnostic::new(Code::ImportDiffers, span, message).help("on ROS a `guard` holds messages back"));
 }
 
 fn no_counterpart(handler: &Handler<'_>, why: &str, report: &mut Report) {

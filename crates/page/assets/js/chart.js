@@ -35,7 +35,7 @@ class Chart {
 
   draw() {
     this.isStale = false;
-    const { traces, layout, isCut } = this.figure();
+    const { traces, layout, isCut } = this.figure(this.element.clientWidth);
     this.isCut = isCut;
     if (this.plot) {
       this.quietly(() => Plotly.react(this.plot, traces, layout, CONFIG));

@@ -41,7 +41,7 @@ function lanesFigure(data, view, order) {
 }
 
 // A property: how it stood, its scopes and states, what it reads, and its margin, above one another on one axis of time.
-function propertyFigure(data, view, number, selected) {
+function propertyFigure(data, view, number, selected, width) {
   const property = data.properties[number];
   const end = view.whole[1];
   const steps = property.lanes.map((t) => data.tracks[t]).filter((t) => t.kind === "steps");
@@ -53,13 +53,14 @@ function propertyFigure(data, view, number, selected) {
 
   const inner = lanes.length * LANE + plots.length * (GAP + HEAD + CURVE);
   const layout = base(view, inner + FOOT + 6, innerWidth < 700 ? 84 : 120);
+  const pixels = width - layout.margin.l - layout.margin.r;
   const at = (pixels) => 1 - pixels / inner;
   layout.hovermode = plots.length ? "x unified" : "closest";
   layout.hoversubplots = "axis";
   layout.yaxis = laneAxis(lanes, [at(lanes.length * LANE), 1], 15);
   layout.shapes = [...jumps(data), ...shades(property, selected)];
   layout.annotations = laneNotes(lanes, "y");
-  const traces = [...laneTraces(lanes, "y", view.range), ...tickTraces(lanes, "y")];
+  const traces = [...laneTraces(lanes, "y", view.range, pixels), ...tickTraces(lanes, "y")];
   traces.forEach((trace) => { if (plots.length) trace.hoverinfo = "skip", delete trace.hovertemplate; });
   // A machine's illegal moves are marked where they are made as well.
   const own = lanes.flatMap((lane, row) => (row === 0 || (lane.isStates && lane.name === property.name) ? [{ row, number, property }] : []));

@@ -46,8 +46,17 @@ function cut(stretch, [from, to]) {
   return stretch.to < from || stretch.from > to ? null : { from: Math.max(stretch.from, from), to: Math.min(stretch.to, to) };
 }
 
+// A letter takes so many pixels when it is as small as can still be read.
+const LETTER = 3.8;
+
+// What is written in a stretch: nothing where it could not be read. The pointer tells it.
+function written({ lane, stretch }, kind, range, pixels) {
+  const text = lane.property === undefined && !lane.isTruth && kind !== "open" ? plain(stretch.text) : "";
+  return text.length * LETTER <= ((stretch.to - stretch.from) / (range[1] - range[0])) * pixels ? text : "";
+}
+
 // One trace for each kind: plotly.js colours traces faster than bars.
-function laneTraces(lanes, axis, range) {
+function laneTraces(lanes, axis, range, pixels) {
   const kinds = new Map();
   for (const [row, lane] of lanes.entries()) {
     for (const whole of lane.stretches) {
@@ -69,7 +78,7 @@ function laneTraces(lanes, axis, range) {
         color, line: { color: line, width: ["violated", "open", "true"].includes(kind) ? 1.5 : 0.5 },
         pattern: hatch ? { shape: hatch, size: 6, solidity: 0.2, fillmode: "overlay", fgcolor: line, fgopacity: 0.8 } : {},
       },
-      text: range ? bars.map((b) => (b.lane.property === undefined && !b.lane.isTruth && kind !== "open" ? plain(b.stretch.text) : "")) : undefined,
+      text: range ? bars.map((b) => written(b, kind, range, pixels)) : undefined,
       textposition: "inside", insidetextanchor: "middle", textangle: 0, constraintext: "inside", textfont: { size: 11, color: colour("ink") },
       customdata: bars.map((b) => [b.lane.property, b.stretch.from, b.stretch.to, kind]),
       hovertext: bars.map((b) => `<b>${plain(shortened(b.lane.name, 60))}</b><br>${plain(b.stretch.text)}: ${lasts(b.stretch.whole)}`),

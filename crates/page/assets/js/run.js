@@ -20,7 +20,7 @@ class Run {
       const number = Number(figure.dataset.property);
       const isLanes = figure.dataset.chart === "lanes";
       const draws = isLanes ? () => lanesFigure(data, view, this.order)
-        : () => propertyFigure(data, view, number, this.selected?.property === number ? this.selected.violation : -1);
+        : (width) => propertyFigure(data, view, number, this.selected?.property === number ? this.selected.violation : -1, width);
       if (!data.range || (!isLanes && !data.properties[number]) || !data.properties.length) { figure.remove(); continue; }
       const chart = new Chart(figure, view, draws);
       chart.onPick = (points) => this.picked(points);

@@ -192,9 +192,18 @@ def illegal_moves(browser):
             expect(told).to_have_count(1)
             assert diagram.locator("li").all_text_contents() == ["drive → idle: illegal, once", "drive → undefined: no state fits, 2 times"]
             assert diagram.locator(".wrong title").first.text_content() == "drive to idle: illegal, once"
-            # It stands beside the text, below the charts.
+            # It stands below the text and the charts, across both.
+            text = page.locator("details[data-property='4'] .body > .text").bounding_box()
             chart, box = page.locator("figure[data-property='4']").bounding_box(), diagram.bounding_box()
-            assert box["x"] == chart["x"] and box["y"] >= chart["y"] + chart["height"], (chart, box)
+            assert box["x"] == text["x"] and box["x"] + box["width"] == chart["x"] + chart["width"], (text, chart, box)
+            assert box["y"] >= max(text["y"] + text["height"], chart["y"] + chart["height"]), (text, chart, box)
+            # Where there is little room it is drawn smaller, but not so that nobody could read it.
+            drawing, svg = diagram.locator(".drawing"), diagram.locator("svg")
+            natural = float(svg.get_attribute("width"))
+            for room in (0.9, 0.5):
+                drawing.evaluate("(box, width) => { box.style.boxSizing = 'content-box'; box.style.width = width + 'px'; }", natural * room)
+                width = svg.bounding_box()["width"]
+                assert abs(width - natural * max(room, 0.75)) < 2, (width, natural, room)
     assert seen["light"] != seen["dark"] and seen["light"] == seen["not dark"] and seen["dark"] == seen["not light"], seen
 
 
@@ -203,6 +212,13 @@ def narrow(browser):
         visit.drawn()
         wide = visit.page.evaluate("document.documentElement.scrollWidth")
         assert wide <= 420, wide
+        # In a stretch that is too short for its name there is none.
+        chart = visit.page.locator("figure[data-property='4']")
+        chart.scroll_into_view_if_needed()
+        expect(chart.locator(".bartext").first).to_be_attached()
+        heights = "texts => texts.filter((t) => t.textContent.trim()).map((t) => t.getBoundingClientRect().height)"
+        shown = chart.locator(".bartext").evaluate_all(heights)
+        assert shown and min(shown) > 6, shown
 
 
 def hostile_names(browser):

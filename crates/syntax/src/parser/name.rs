@@ -86,6 +86,11 @@ impl Parser<'_> {
         while self.eat(TokenKind::ColonColon) {
             segments.push(self.ident("a name after `::`")?);
         }
+        if self.cursor.kind() == TokenKind::Dot {
+            let (span, message) = (self.cursor.span(), "a function is written with `::`, as in `Kicker::play`");
+            return self
+                .complain(Diagnostic::new(Code::Syntax, span, message).label("not with a point").fix(span, "::"));
+        }
         Ok(CallPath { segments })
     }
 

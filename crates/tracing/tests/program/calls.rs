@@ -155,6 +155,38 @@ property told over (asks, failed): whenever asks, next failed
         assert_eq!((pairs.failed, told.failed, told.open), (1, 1, 1));
     }
 
+    fn a_future_that_is_dropped_has_not_returned_where_results_are_recorded() {
+        let text = "event asks = call Kicker::await_ball
+event done = return Kicker::await_ball
+event found = return Kicker::await_ball when result > 0
+property ends over (asks, done): whenever asks, next done
+property finds over (asks, found): whenever asks, next found
+";
+        let monitor = watched(text);
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().expect("a runtime");
+        let wait = |bearing| {
+            let limit = std::time::Duration::from_millis(1);
+            runtime.block_on(async { tokio::time::timeout(limit, kicker::await_ball(bearing)).await.is_ok() })
+        };
+        assert_eq!([Some(1.0), None, Some(1.0)].map(wait), [true, false, true]);
+        let report = monitor.finish();
+        // What comes after the second call is the third.
+        let (ends, finds) = (said(&report, "ends"), said(&report, "finds"));
+        assert_eq!((ends.verdict.word(), ends.obligations.failed), ("violated", 1), "{:?}", ends.cause);
+        assert_eq!((finds.verdict.word(), finds.obligations.failed), ("violated", 1), "{:?}", finds.cause);
+    }
+
+    fn a_future_that_is_dropped_before_one_has_returned_cannot_be_judged() {
+        let text = "event done = return Kicker::await_ball\nproperty never_done over (done): never done and done.robot == 1\n";
+        let monitor = watched(text);
+        assert!(kicker::await_ball(None).now_or_never().is_none());
+        assert_eq!(futures::executor::block_on(kicker::await_ball(Some(1.0))), 1.0);
+        let report = monitor.finish();
+        assert_eq!(verdict(&report, "never_done"), "inconclusive");
+        let cause = cause(&report, "never_done");
+        assert!(cause.contains("a future of `Kicker::await_ball` was dropped before it was done"), "{cause}");
+    }
+
     fn the_end_of_a_function_that_records_no_result_is_its_return() {
         let text = "event plays = call Kicker::play
 event played = return Kicker::play
@@ -178,6 +210,7 @@ property pairs: whenever plays, next played
         let report = monitor.finish();
         assert_eq!(verdict(&report, "wins"), "inconclusive");
         assert!(cause(&report, "wins").contains("`#[instrument(ret)]` does"), "{}", cause(&report, "wins"));
+        assert!(cause(&report, "wins").contains("its future was dropped"), "{}", cause(&report, "wins"));
     }
 
     fn two_functions_of_one_name_are_an_error() {
@@ -211,6 +244,27 @@ property pairs: whenever plays, next played
         rival::kicker::play();
         let report = monitor.finish();
         same_as_checked(&report, text, "{\"t\": 0, \"event\": \"play\"}\n");
+    }
+
+    fn what_is_called_alike_is_told_where_nothing_has_the_name() {
+        let text = "event play = call Robot::play\nevent kick = call Kiker::kick\nevent read = set SensorControler.sonar\n\
+                    event grab = call Arm::lift\n\
+                    play_: never play\nkick_: never kick\nread_: never read\ngrab_: never grab\nalways soner < 1\nalways speed < 1\n";
+        let monitor = watched(text);
+        kicker::play();
+        kicker::kick("r1", 1.0);
+        crate::robot::sensor_controller::set_sonar(0.5);
+        let report = monitor.finish();
+        for (property, seen) in
+            [("play_", "::robot::kicker::play`"), ("kick_", "::robot::kicker::kick`"), ("read_", "::robot::sensor_controller.sonar`")]
+        {
+            let cause = cause(&report, property);
+            let hint = cause.rsplit("; ").next().unwrap_or("");
+            assert!(hint.contains(seen) && hint.contains(" was seen (") && hint.contains("robot.rs:"), "{cause}");
+        }
+        assert!(cause(&report, "grab_").ends_with("turns it off"), "nothing is called like it: {}", cause(&report, "grab_"));
+        let told: Vec<&str> = report.warnings.iter().map(|w| w.message.as_str()).collect();
+        assert!(matches!(told[..], [one] if one.starts_with("no field `soner` was seen; `") && one.contains("sonar` was seen (")), "{told:?}");
     }
 
     fn what_was_never_reached_cannot_be_judged() {

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock, mpsc};
 use std::time::Duration;
 
-use lapwing_tracing::{Clock, ManualClock, Monitor, Time};
+use lapwing_tracing::{Clock, Handlers, ManualClock, Monitor, Time};
 
 use crate::support::{said, same_as_checked, spec, verdict};
 
@@ -52,6 +52,29 @@ fn with_the_machines_clock_a_thread_notices_by_itself() {
     let late = told.recv_timeout(Duration::from_secs(60)).expect("nobody answers");
     assert_eq!(late.nanos(), 20_000_000);
     assert_eq!(verdict(&monitor.finish(), "answers"), "violated");
+}
+
+#[test]
+fn a_handler_that_waits_holds_no_other_deadline_back() {
+    let text = "event asked\nevent answered\nproperty soon: whenever asked, eventually within 20 ms answered\n\
+                property later: whenever asked, eventually within 40 ms answered\non violation of soon { run wait }\non violation of later { run tell }\n";
+    let ((tell, told), (end, ended)) = (mpsc::channel(), mpsc::channel());
+    type Context = std::sync::Mutex<(mpsc::Sender<()>, mpsc::Sender<bool>, Option<mpsc::Receiver<()>>)>;
+    let context: Context = std::sync::Mutex::new((tell, end, Some(told)));
+    let handlers = Handlers::new()
+        .on("wait", |_, context: &Context| {
+            let (told, end) = {
+                let mut all = context.lock().expect("what is shared");
+                (all.2.take().expect("it runs once"), all.1.clone())
+            };
+            // Nothing else arrives: but for the other deadline it would wait in vain.
+            end.send(told.recv_timeout(Duration::from_secs(20)).is_ok()).expect("someone listens");
+        })
+        .on("tell", |_, context: &Context| context.lock().expect("what is shared").0.send(()).expect("someone waits"));
+    let monitor = Monitor::builder(spec(text)).handlers(context, handlers).build().expect("a monitor");
+    monitor.event("asked");
+    assert_eq!(ended.recv_timeout(Duration::from_secs(60)), Ok(true));
+    assert_eq!(verdict(&monitor.finish(), "later"), "violated");
 }
 
 #[test]

@@ -143,6 +143,7 @@ on violation of calm { reset  run go_on }
         assert_eq!(verdict(&report, "other"), "inconclusive");
         let cause = said(&report, "other").cause.clone().unwrap_or_default();
         assert!(cause.contains("more than 16 deep was not seen"), "{cause}");
+        assert!(report.warnings.iter().any(|w| w.message.contains("more than 16 deep")), "{:?}", report.warnings);
     }
 
     fn a_reaction_is_limited_for_each_instance() {
@@ -220,6 +221,42 @@ on violation of calm at most every 10 s { run note  reset }
 fn a_handler_that_nobody_registered_is_an_error_with_its_place() {
     let handlers = Handlers::new().on("plug_in_cable", |_, (): &()| {});
     let error = Monitor::builder(spec(INIT)).handlers((), handlers).build().expect_err("no such handler");
-    assert_eq!(error.to_string(), "robot.rv:4: no handler `plug_in_cables` is registered; there are plug_in_cable");
+    assert_eq!(
+        error.to_string(),
+        "robot.rv:4: no handler `plug_in_cables` is registered; did you mean `plug_in_cable`?"
+    );
     assert!(matches!(error, BuildError::MissingHandlers(missing) if missing.len() == 1));
+    let told = |handlers| {
+        let built = Monitor::builder(spec(INIT)).handlers((), handlers).build();
+        built.expect_err("no such handler").to_string()
+    };
+    let other = Handlers::new().on("kick", |_, (): &()| {});
+    assert_eq!(told(other), "robot.rv:4: no handler `plug_in_cables` is registered; those that are: `kick`");
+    assert_eq!(told(Handlers::new()), "robot.rv:4: no handler `plug_in_cables` is registered, nor any other");
+}
+
+#[test]
+fn a_handler_that_no_reaction_calls_is_told_of() {
+    let handlers = Handlers::new().on("plug_in_cables", |_, (): &()| {}).on("kick", |_, (): &()| {});
+    let monitor = Monitor::builder(spec(INIT)).handlers((), handlers).build().expect("a monitor");
+    let warnings: Vec<String> = monitor.finish().warnings.into_iter().map(|w| w.message).collect();
+    assert_eq!(warnings, ["no reaction of robot.rv runs what is registered as `kick`"]);
+}
+
+/// By the machine's clock it is some second of 2026, of which nobody wants to know.
+#[test]
+fn a_violation_is_told_with_the_time_since_the_first_arrival() {
+    let told = Arc::new(Mutex::new(Vec::new()));
+    let tell = told.clone();
+    let note =
+        move |violation: &lapwing_tracing::Violation<'_>| tell.lock().expect("a list").push(violation.to_string());
+    let clock = ManualClock::new();
+    let text = "event kick\nproperty calm: always not (kick and kick.power > 2)\n";
+    let builder = Monitor::builder(spec(text)).clock(clock.clone()).on_violation(note);
+    let monitor = builder.build().expect("a monitor");
+    for (nanos, power) in [(1_795_409_415_000_000_000, 1.0), (1_795_409_418_500_000_000, 3.0)] {
+        clock.set(Time(nanos));
+        monitor.event_with("kick", &[("power", power.into())]);
+    }
+    assert_eq!(*told.lock().expect("a list"), ["robot.rv:2: calm is violated at 3.5 s"]);
 }

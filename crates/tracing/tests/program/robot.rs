@@ -36,6 +36,15 @@ pub mod kicker {
         async move { bearing.expect("a ball") }.instrument(tracing::info_span!("try_to_grab"))
     }
 
+    /// Waits for a ball that may never come.
+    #[instrument(ret)]
+    pub async fn await_ball(bearing: Option<f64>) -> f64 {
+        match bearing {
+            Some(bearing) => bearing,
+            None => std::future::pending().await,
+        }
+    }
+
     #[instrument(skip_all)]
     pub fn play_then(go_on: impl FnOnce()) {
         go_on();

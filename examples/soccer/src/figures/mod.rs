@@ -59,7 +59,7 @@ pub struct Compared {
 /// One column of a figure.
 #[derive(Clone, Debug)]
 pub struct Column {
-    /// What the thesis prints, without what its monitor does not step on.
+    /// What the thesis prints, in italics what its monitor does not step on.
     pub printed: Vec<String>,
     /// What came out here.
     pub ours: Vec<Happening>,
@@ -119,11 +119,12 @@ fn column(
 ) -> Column {
     let violation = format!("!{property}");
     let is_step = |name: &str| name == violation || steps.contains(name);
-    let printed: Vec<String> =
-        printed.iter().filter(|name| is_step(name) || **name == "!").map(|n| (*n).into()).collect();
+    let is_compared = |name: &&&str| is_step(name) || **name == "!";
+    let compared: Vec<String> = printed.iter().filter(is_compared).map(|n| (*n).into()).collect();
+    let printed = printed.iter().map(|n| if is_compared(&n) { (*n).into() } else { format!("*{n}*") }).collect();
     let ours: Vec<Happening> = account.happenings.iter().filter(|h| is_step(&h.name)).cloned().collect();
     let names: Vec<String> = ours.iter().map(|h| if h.name == violation { "!" } else { &h.name }.to_owned()).collect();
-    let same = to_first_violation(&printed) == to_first_violation(&names);
+    let same = to_first_violation(&compared) == to_first_violation(&names);
     Column { printed, ours, same, reasons: reasons.to_vec(), goal: account.goal }
 }
 

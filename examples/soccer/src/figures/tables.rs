@@ -46,8 +46,8 @@ fn row(text: &mut String, compared: &Compared, fault: &str, column: &Column) {
     );
 }
 
-/// At most so many different things in a row of what comes out here.
-const SHOWN: usize = 12;
+/// At most so many different things in a row: no figure has more.
+const SHOWN: usize = 16;
 
 /// A sequence in which what repeats is counted, and which ends with an ellipsis where it is long.
 fn drawn_together<'n>(names: impl Iterator<Item = &'n str>, property: &str) -> String {

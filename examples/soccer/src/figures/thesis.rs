@@ -13,7 +13,8 @@ pub struct Figure {
     pub fault: Fault,
     /// How the thesis had it violated.
     pub provoked: &'static str,
-    /// The printed sequence without a violation. `…` is left out, as repetitions are drawn together; `!` is the violation.
+    /// The printed sequence without a violation, what its monitor does not step on included. Where the figure has `…` one of what repeats stands
+    /// for all; `!` is the violation.
     pub without: &'static [&'static str],
     /// The printed sequence with a violation.
     pub with: &'static [&'static str],
@@ -43,7 +44,7 @@ const fn remark(letter: char, text: &'static str) -> Reason {
 }
 
 /// All of them, in the order of their letters.
-pub static REASONS: [&Reason; 8] = [
+pub static REASONS: [&Reason; 9] = [
     &IN_GOAL_RANGE,
     &LOOKS_ONCE_MORE,
     &BALL_CLOSE,
@@ -52,12 +53,13 @@ pub static REASONS: [&Reason; 8] = [
     &STALE_FLAGS,
     &APPENDIX_J,
     &FIRST_POSITION,
+    &LOST_AGAIN,
 ];
 
 static IN_GOAL_RANGE: Reason = differs(
     'a',
-    "The figure prints `in_goal_range_true`, ten times, an event that the monitor of appendix N does not have; its `goto_goal_true` comes once, when \
-     `goto_goal` returns. After that our robot looks once more (see b), and is where it can kick.",
+    "The figure prints `in_goal_range_true`, twelve times, an event that the monitor of appendix N does not have, and nothing of the `goto_goal_true` \
+     that it has. That comes once, when `goto_goal` returns. After that our robot looks once more (see b), and is where it can kick.",
 );
 static LOOKS_ONCE_MORE: Reason = differs(
     'b',
@@ -97,10 +99,17 @@ static FIRST_POSITION: Reason = remark(
      event, and so does Lapwing.",
 );
 
+static LOST_AGAIN: Reason = remark(
+    'i',
+    "In the figure the property is violated twice more, when the robot turns to the ball again and the look in which it enters that state finds none \
+     (see f). Here the robot has the ball from the first recovery on.",
+);
+
 const TURN_TO_BALL: &str = "entered(soccer.turn_to_ball)";
 const TURN_TO_GOAL: &str = "entered(soccer.turn_to_goal)";
 const DRIBBLE: &str = "entered(soccer.dribble_to_goal)";
 const KICK: &str = "entered(soccer.kick_ball_to_goal)";
+const IN_RANGE: &str = "in_goal_range_true";
 
 /// The figures.
 pub static FIGURES: [Figure; 6] = [
@@ -119,7 +128,23 @@ pub static FIGURES: [Figure; 6] = [
         property: "goto_goal_until_in_range",
         fault: Fault::RangeMissed,
         provoked: "not told",
-        without: &[DRIBBLE, TURN_TO_GOAL, DRIBBLE, "goto_goal_true"],
+        without: &[
+            DRIBBLE,
+            TURN_TO_GOAL,
+            DRIBBLE,
+            IN_RANGE,
+            IN_RANGE,
+            IN_RANGE,
+            IN_RANGE,
+            IN_RANGE,
+            IN_RANGE,
+            IN_RANGE,
+            IN_RANGE,
+            IN_RANGE,
+            IN_RANGE,
+            IN_RANGE,
+            IN_RANGE,
+        ],
         with: &[DRIBBLE, DRIBBLE, TURN_TO_GOAL, DRIBBLE, KICK, "!"],
         why_without: &[&IN_GOAL_RANGE],
         why_with: &[&MISSED_RANGE],
@@ -159,6 +184,12 @@ pub static FIGURES: [Figure; 6] = [
             "!",
             "ir_read_false",
             "!",
+            "ir_read_false",
+            "!",
+            "ir_read_false",
+            "!",
+            "ir_read_false",
+            "!",
             "ir_read_true",
         ],
         why_without: &[],
@@ -170,8 +201,25 @@ pub static FIGURES: [Figure; 6] = [
         fault: Fault::BallTakenAfterTurn,
         provoked: "the ball moved by hand after the turn",
         without: &[TURN_TO_BALL, "ballinfront_true", "kick_ball_after", "ballinfront_true"],
-        with: &[TURN_TO_BALL, "ballinfront_false", "!", "ballinfront_false", "ballinfront_true", TURN_TO_BALL],
+        with: &[
+            TURN_TO_BALL,
+            "ballinfront_false",
+            "!",
+            "ballinfront_false",
+            "ballinfront_true",
+            TURN_TO_BALL,
+            "ballinfront_false",
+            "!",
+            "ballinfront_false",
+            "ballinfront_true",
+            TURN_TO_BALL,
+            "ballinfront_false",
+            "!",
+            "ballinfront_true",
+            "kick_ball_after",
+            "ballinfront_true",
+        ],
         why_without: &[&STALE_FLAGS],
-        why_with: &[],
+        why_with: &[&LOST_AGAIN],
     },
 ];

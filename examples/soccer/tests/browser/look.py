@@ -97,6 +97,17 @@ def faulty(browser):
         visit.picture("ball-off")
 
 
+def violated_at_the_end(browser):
+    with Visit(browser, "taken.html") as visit:
+        last = float(visit.page.locator("#violations button").last.text_content().split(" s")[0])
+        assert last > float(visit.page.locator("#seek").get_attribute("max")) - 0.1, last
+        # Its mark is there as a whole: the tip stands half its width from the end.
+        width = visit.page.evaluate("document.getElementById('bar').width")
+        red, green, _ = visit.colour("bar", (width - 10) / (width - 1), 20 / 73)
+        assert red > 150 and green < 100, (red, green)
+        visit.picture("taken")
+
+
 def animation(browser):
     with Visit(browser, "healthy.html") as visit:
         page = visit.page
@@ -125,7 +136,7 @@ program = shutil.which("chromium")
 assert program, "chromium is not installed"
 with sync_playwright() as playwright:
     chromium = playwright.chromium.launch(executable_path=program, args=["--no-sandbox"])
-    for check in (healthy, faulty, animation, dark_and_small):
+    for check in (healthy, faulty, violated_at_the_end, animation, dark_and_small):
         check(chromium)
         print("ok", check.__name__, flush=True)
     chromium.close()

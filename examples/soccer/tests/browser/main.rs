@@ -15,6 +15,7 @@ fn a_match_can_be_watched() {
     let page = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
     common::soccer(&["play", "--page", &page("healthy.html")]);
     common::soccer(&["play", "--fault", "ball-off", "--page", &page("ball-off.html")]);
+    common::soccer(&["play", "--fault", "taken-while-dribbling", "--page", &page("taken.html")]);
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser/look.py");
     let looked = Command::new(python).arg(script).arg(folder.path()).output().unwrap();
     let said = String::from_utf8_lossy(&looked.stdout);
@@ -23,5 +24,5 @@ fn a_match_can_be_watched() {
         "{said}{}\ntools/browser.sh installs what is missing",
         String::from_utf8_lossy(&looked.stderr)
     );
-    assert_eq!(said.lines().filter(|line| line.starts_with("ok ")).count(), 4, "{said}");
+    assert_eq!(said.lines().filter(|line| line.starts_with("ok ")).count(), 5, "{said}");
 }
