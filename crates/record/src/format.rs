@@ -10,6 +10,7 @@ pub(crate) mod mcap;
 pub(crate) mod messages;
 pub(crate) mod metadata;
 pub(crate) mod ndjson;
+pub(crate) mod returns;
 pub(crate) mod rosbag2;
 mod signals;
 pub(crate) mod sqlite;

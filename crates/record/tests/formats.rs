@@ -69,6 +69,22 @@ fn csv_rows() {
 }
 
 #[test]
+fn csv_rows_may_end_in_carriage_returns_alone() {
+    let text = "\u{feff}time,x\r0.1,1\r\rsoon,2\r0.3,a\r";
+    let (_dir, recording) = recording(text.as_bytes(), Options::default());
+    assert_eq!(recording.columns().iter().map(|c| &**c).collect::<Vec<_>>(), ["x"]);
+    let (rows, losses) = shown(recording, &[]);
+    assert_eq!(rows, ["100000000 row x=1", "300000000 row x=\"a\""]);
+    assert!(losses[0].contains("line 4, column 1: the time `soon`") && losses.len() == 1, "{losses:?}");
+}
+
+#[test]
+fn a_carriage_return_in_json_is_a_blank() {
+    let (_dir, recording) = recording(b"{\"t\": 1,\r\"values\": {\"x\": 2}}\n", Options::default());
+    assert_eq!(shown(recording, &[]), (vec!["1000000000 row x=2".to_owned()], vec![]));
+}
+
+#[test]
 fn wrong_csv_rows_are_losses_with_their_place() {
     let text = "time_ns,x\n5,1\nsoon,2\n7\n8,1,2\n9,\"open\n10,3\n";
     let (_dir, recording) = recording(text.as_bytes(), Options::default());

@@ -299,6 +299,12 @@ fn what_is_no_recording_is_told_what_was_seen() {
     assert!(seen(b"time;b\n1;2\n").contains("not separated by commas"));
     assert!(seen(b"Time,b\n1,2\n").contains("is its column `Time` the time?"));
     assert!(seen(b"#ROSBAG V1.2\n").contains("rosbag fix"));
+    let wide = |text: &str, order: fn(u16) -> [u8; 2]| text.encode_utf16().flat_map(order).collect::<Vec<u8>>();
+    for text in ["\u{feff}time,b\n1,2\n", "time,b\r\n1,2\r\n", "\u{feff}{\"t\": 0}\n", "{\"t\": 0}\n"] {
+        for order in [u16::to_le_bytes, u16::to_be_bytes] {
+            assert!(seen(&wide(text, order)).ends_with("x: it is UTF-16 text; save it as UTF-8"), "{text}");
+        }
+    }
     let folder = read(Path::new(dir.path()), Options::default()).map(|_| ()).unwrap_err();
     assert!(matches!(folder, OpenError::Unrecognised { .. }));
     assert!(read(&dir.path().join("none"), Options::default()).map(|_| ()).unwrap_err().to_string().contains("none"));
