@@ -15,6 +15,7 @@ pub(crate) mod rosbag2;
 mod signals;
 pub(crate) mod sqlite;
 pub(crate) mod stream;
+pub(crate) mod times;
 pub(crate) mod told;
 pub(crate) mod types;
 

@@ -16,6 +16,7 @@ use crate::format::returns::{self, Returns};
 use crate::format::rosbag2::{self, Rosbag2};
 use crate::format::sqlite::{self, Sqlite};
 use crate::format::stream::Stream;
+use crate::format::times::like_time;
 use crate::format::told::{self, Told};
 use crate::format::{Format, Source};
 use crate::options::Limits;
@@ -144,20 +145,19 @@ fn is_utf16(start: &[u8]) -> bool {
 
 /// What would have made a table of it, where little is missing.
 fn hint(header: &[u8]) -> String {
-    let names = |is_separator: fn(&u8) -> bool| header.split(is_separator).map(<[u8]>::trim_ascii);
-    if names(|b| matches!(b, b';' | b'\t')).any(|name| matches!(name, b"time" | b"time_ns")) && !header.contains(&b',')
-    {
+    let mut others = header.split(|b| matches!(b, b';' | b'\t')).map(<[u8]>::trim_ascii);
+    if others.any(|name| matches!(name, b"time" | b"time_ns")) && !header.contains(&b',') {
         return ", and its columns are not separated by commas".to_owned();
     }
-    let is_like_time = |name: &&[u8]| TIMES.iter().any(|time| name.eq_ignore_ascii_case(time));
-    match names(|b| *b == b',').find(is_like_time) {
-        Some(name) => format!(": is its column `{}` the time? Name it so", name.escape_ascii()),
+    let Some(names) = csv::names(header) else { return ", and a quote in it is not closed".to_owned() };
+    match like_time(names.iter().map(String::as_str)) {
+        Some(name) => format!(
+            ": is its column `{}` the time? Name it `time` if it is in seconds, `time_ns` if in nanoseconds",
+            name.escape_debug()
+        ),
         None => String::new(),
     }
 }
-
-/// What a column of time is called elsewhere.
-const TIMES: &[&[u8]] = &[b"time", b"time_ns", b"t", b"timestamp", b"stamp", b"seconds", b"sec"];
 
 /// The bytes of a stream up to the end of its first line that is not blank: no more is asked for than comes.
 fn first_line(from: &mut dyn Read, limits: &Limits) -> io::Result<Vec<u8>> {

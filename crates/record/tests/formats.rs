@@ -103,6 +103,29 @@ fn wrong_csv_rows_are_losses_with_their_place() {
 }
 
 #[test]
+fn a_time_under_another_name_or_in_another_unit_is_told() {
+    let said = |text: &str| {
+        let (_dir, recording) = recording(text.as_bytes(), Options::default());
+        shown(recording, &[]).1[0].split_once("line ").unwrap().1.to_owned()
+    };
+    let name = "Name it \"t\" if it is in seconds, \"t_ns\" if in nanoseconds";
+    for key in ["time", "time_ns", "timestamp", "stamp", "ts"] {
+        let line = format!("{{\"{key}\": 0, \"topic\": \"/odom\", \"speed\": 1}}\n");
+        assert_eq!(
+            said(&line),
+            format!("1: the line is lost: the object has no time: is its \"{key}\" the time? {name}")
+        );
+    }
+    let without = "1: the line is lost: the object has no time: write \"t\" in seconds or \"t_ns\"";
+    assert_eq!(said("{\"speed\": 1, \"msg\": {\"time\": 1}}\n"), without);
+    assert!(said("{\"t\": 0, \"topic\": \"/odom\", \"speed\": 1}\n").contains("\"topic\" but no \"msg\""));
+    let lost = "is too large for seconds: name it `time_ns` if it is in nanoseconds: it is lost";
+    assert_eq!(said("time,x\n1700000000000000000,1\n"), format!("2, column 1: the time `1700000000000000000` {lost}"));
+    assert!(said("{\"t\": 1700000000000000000, \"values\": {}}\n").ends_with("name it `t_ns` if it is in nanoseconds"));
+    assert!(said("{\"t\": 1700000000000, \"values\": {}}\n").contains("seems to be in milliseconds"));
+}
+
+#[test]
 fn what_is_no_time_is_shown() {
     let long = format!(r#""{}""#, "a".repeat(100));
     let no_times = [r#""1""#, "null", "[1, 2]", "1.2.3", "soon", "", &long];
