@@ -77,7 +77,12 @@ fn three_when_a_recording_cannot_be_opened() {
     folder.write("noise.mcap", b"\x00\x01\x02 nothing that anyone recorded");
     let run = folder.lapwing("check spec.rv noise.mcap run.csv");
     assert_eq!(run.code, 3, "{}", run.stdout);
-    assert!(run.stdout.contains("the recording cannot be opened: noise.mcap: no recording"), "{}", run.stdout);
+    assert!(run.stdout.contains("line 1  the recording cannot be opened\n"), "{}", run.stdout);
+    let why = "noise.mcap: no recording: it begins with";
+    assert!(run.stdout.contains(&format!("not everything was looked at: {why}")), "{}", run.stdout);
+    assert_eq!(run.stdout.matches(why).count(), 1, "said once, however many properties there are: {}", run.stdout);
+    let json = folder.lapwing("check spec.rv noise.mcap --format json").stdout;
+    assert_eq!(json.matches(why).count(), 2, "{json}");
     assert!(run.stdout.contains("1 inconclusive, 1 holds"), "{}", run.stdout);
 }
 

@@ -119,9 +119,11 @@ fn a_time_under_another_name_or_in_another_unit_is_told() {
     let without = "1: the line is lost: the object has no time: write \"t\" in seconds or \"t_ns\"";
     assert_eq!(said("{\"speed\": 1, \"msg\": {\"time\": 1}}\n"), without);
     assert!(said("{\"t\": 0, \"topic\": \"/odom\", \"speed\": 1}\n").contains("\"topic\" but no \"msg\""));
-    let lost = "is too large for seconds: name it `time_ns` if it is in nanoseconds: it is lost";
+    let lost = "is too large for seconds (name it `time_ns` if it is in nanoseconds): it is lost";
     assert_eq!(said("time,x\n1700000000000000000,1\n"), format!("2, column 1: the time `1700000000000000000` {lost}"));
-    assert!(said("{\"t\": 1700000000000000000, \"values\": {}}\n").ends_with("name it `t_ns` if it is in nanoseconds"));
+    assert!(
+        said("{\"t\": 1700000000000000000, \"values\": {}}\n").ends_with("name it `t_ns` if it is in nanoseconds)")
+    );
     assert!(said("{\"t\": 1700000000000, \"values\": {}}\n").contains("seems to be in milliseconds"));
 }
 

@@ -104,6 +104,7 @@ fn of_a_database_without_its_end_the_rest_is_read() {
     std::fs::write(&path, &bytes[..600]).unwrap();
     let error = read(&path, Options::default()).map(|_| ()).unwrap_err().to_string();
     assert!(error.contains("`sqlite3 ") && error.contains("a.db3 .recover"), "{error}");
+    assert!(error.contains(&format!("only 600 of its {} bytes", bytes.len())), "{error}");
 }
 
 /// A small generator of numbers: the same ones on every run.

@@ -125,8 +125,9 @@ impl Ndjson {
                     None => "the object has neither \"topic\" and \"msg\", nor \"values\", nor \"event\"",
                 }));
             };
+            let found = self.topics.find(topic, &ty, &text[message.clone()])?;
             self.message = line.start + message.start..line.start + message.end;
-            Head::Message(self.topics.find(topic, &ty)?)
+            Head::Message(found)
         };
         Ok((time, head))
     }
@@ -274,7 +275,8 @@ impl Source for Ndjson {
             signals.extend(chosen.others().names().map(str::to_owned));
         }
         let events = self.events.iter().cloned().collect();
-        Met { signals: signals.into_iter().collect(), events, ..Met::of(self.channels()) }
+        let fields = self.topics.fields().to_vec();
+        Met { signals: signals.into_iter().collect(), events, fields, ..Met::of(self.channels()) }
     }
 
     fn place(&self) -> Place {

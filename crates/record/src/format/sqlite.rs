@@ -51,13 +51,15 @@ impl From<rusqlite::Error> for Fault {
 impl Sqlite {
     /// Opens a file. `shown` is what it is called in messages.
     pub fn open(path: &Path, shown: &Path, library: &Library, limits: &Limits) -> Result<Sqlite, OpenError> {
-        let damaged = |error: rusqlite::Error| OpenError::Damaged {
-            at: Place::new(shown, Position::Whole),
-            what: format!("it cannot be read as a rosbag2 database: {error}{}", rescue(shown, &error)),
+        let cut_off = cut_off(path).map_err(|error| OpenError::Io { path: shown.to_owned(), error })?;
+        let damaged = |error: rusqlite::Error| {
+            let cut = cut_off
+                .map_or_else(String::new, |(have, want)| format!("only {have} of its {want} bytes are there, and "));
+            let what = format!("{cut}it cannot be read as a rosbag2 database: {error}{}", rescue(shown, &error));
+            OpenError::Damaged { at: Place::new(shown, Position::Whole), what }
         };
         let db = Connection::open_with_flags(path, OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX)
             .map_err(damaged)?;
-        let cut_off = cut_off(path).map_err(|error| OpenError::Io { path: shown.to_owned(), error })?;
         if cut_off.is_some() {
             // SQLite refuses a database that lacks pages, unless it is about to be mended; the file stays as it is, being opened to be read.
             db.pragma_update(None, "writable_schema", true).map_err(damaged)?;

@@ -33,9 +33,9 @@ pub(crate) fn wrong(digits: &[u8], unit: i64, nanos: &str, error: DecimalError) 
         _ => None,
     };
     match meant {
-        Some("nanoseconds") => format!("is too large for seconds: name it `{nanos}` if it is in nanoseconds"),
+        Some("nanoseconds") => format!("is too large for seconds (name it `{nanos}` if it is in nanoseconds)"),
         Some(unit) => {
-            format!("is too large for seconds: it seems to be in {unit}; write seconds, or nanoseconds as `{nanos}`")
+            format!("is too large for seconds, and seems to be in {unit} (write seconds, or nanoseconds as `{nanos}`)")
         }
         None => error.reason().to_owned(),
     }
