@@ -158,7 +158,8 @@ fn quotient(written: &str) -> Option<&'static str> {
     units().find(|name| *name == meant)
 }
 
-/// Where a name is the end of what was meant as the unit of a number, as `s2` in `1.5 m/s2`: how many bytes before the name that unit begins, and what it was meant to be.
+/// Where a name is the end of what was meant as the unit of a number, as `s2` in `1.5 m/s2`: how many bytes before the name that unit begins, and
+/// what it was meant to be.
 pub(crate) fn unit_around(before: &str, name: &str) -> Option<(usize, Option<&'static str>)> {
     let is_of_unit = |c: char| c.is_alphabetic() || c == '/';
     let start = before.trim_end_matches(is_of_unit);

@@ -75,7 +75,8 @@ pub(crate) fn verdict_line(property: &Property, origin: Origin) -> String {
     }
 }
 
-/// The details of a property without what is said of the recording as a whole, in a line of its own: it may be long, and would stand at every property.
+/// The details of a property without what is said of the recording as a whole, in a line of its own: it may be long, and would stand at every
+/// property.
 fn said_once(report: &Report, details: String) -> String {
     let without = |gap: &String| details.strip_suffix(gap.as_str())?.strip_suffix(": ").map(str::to_owned);
     report.gaps.iter().find_map(without).unwrap_or(details)
