@@ -312,6 +312,13 @@ impl Cx<'_> {
 
     fn unknown(&mut self, env: &Env, idents: &[Ident], joined: &str, at: Span) {
         let Some(trace) = self.trace else { return };
+        let around = self.unit_around(joined, at);
+        if let Some((span, Some(unit))) = around {
+            let message =
+                format!("unknown name `{joined}`: the unit `{}` is written `{unit}`", self.sources.slice(span));
+            let diagnostic = Diagnostic::new(Code::UnknownName, span, message).label(format!("write `{unit}`"));
+            return self.report(env, diagnostic.fix(span, unit));
+        }
         let head = idents[0].name.as_str();
         let as_topic = format!("/{}", head);
         let guess = self.meant(env, idents, joined);
@@ -319,6 +326,10 @@ impl Cx<'_> {
             if trace.schemaless { "nothing declares it and no column has this name" } else { "nothing declares it" };
         let message = format!("unknown name `{joined}`{}", suggest::or_else(guess.as_deref()));
         let mut diagnostic = Diagnostic::new(Code::UnknownName, at, message).label(what);
+        if let Some((span, None)) = around {
+            let (written, units) = (self.sources.slice(span), lapwing_syntax::units_listed());
+            diagnostic = diagnostic.help(format!("if `{written}` is meant as a unit: the units are {units}"));
+        }
         if let Some(topic) = trace.topic(&as_topic) {
             let ty = crate::trace::plain_type(&topic.type_name);
             diagnostic =
@@ -335,6 +346,14 @@ impl Cx<'_> {
             diagnostic = diagnostic.fix(at, edit);
         }
         self.report(env, diagnostic);
+    }
+
+    /// What seems to be the unit of a number, of which an unknown name is the end, as `s2` in `1.5 m/s2`; and the unit that was meant, where
+    /// there is such a one.
+    fn unit_around(&self, name: &str, at: Span) -> Option<(Span, Option<&'static str>)> {
+        let before = self.sources.text(at.file).get(..at.start as usize)?;
+        let meant = lapwing_syntax::meant_unit(before, name)?;
+        Some((Span { start: at.start.saturating_sub(meant.before as u32), ..at }, meant.unit))
     }
 
     /// A name that is proposed in place of another, with the variables of `for each` where they stand in that one: of the instance `r2`

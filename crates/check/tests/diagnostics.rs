@@ -38,6 +38,29 @@ fn unknown_names() {
           the recording has `speed`, `x`
     "#]]
     .assert_eq(&said(&against("sped > 1", &csv(&["speed", "x"]))));
+    let signals = csv(&["speed", "s", "x"]);
+    let unit = |written: &str| said(&against(&format!("never speed > {written}"), &signals));
+    for (written, meant) in [
+        ("1.5m/s2", "m/s^2"),
+        ("1.5 m/s2", "m/s^2"),
+        ("1 m/s²", "m/s^2"),
+        ("1 m/sec", "m/s"),
+        ("1 m/sec2", "m/s^2"),
+        ("1 rad/sec", "rad/s"),
+    ] {
+        let message = unit(written);
+        assert!(message.contains(&format!("is written `{meant}`\n  write `{meant}`\n")), "{written}: {message}");
+    }
+    expect![[r#"
+        unknown name `h`
+          nothing declares it and no column has this name
+          if `km/h` is meant as a unit: the units are `ns`, `us`, `ms`, `s`, `min`, `h`, `mm`, `cm`, `m`, `km`, `m/s`, `m/s^2`, `rad`, `rad/s`, `deg`, `deg/s` and `Hz`
+          the recording has `speed`, `s`, `x`
+    "#]]
+    .assert_eq(&unit("1 km/h"));
+    // What is a name stays one, and what no number precedes is no unit.
+    assert_eq!(unit("1 m/x"), "");
+    assert!(unit("x/s2").starts_with("unknown name `s2`; did you mean") && unit("1 m / s2").contains("did you mean"));
     expect![[r#"
         unknown name `r.localization_error`: nothing says what r believes of its position
           no `model` declares it

@@ -233,7 +233,7 @@ fn tune(bench: &Bench<'_>, account: &Account, specs: &[Spec], name: &str) -> Res
     // The first round has the value that stands there.
     let current = found.tried.iter().copied().find(|t| t.value == tunable.value).unwrap_or_default();
     let values = found.tried.iter().map(|t| t.value);
-    let searched = (values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max));
+    let searched = (values.clone().fold(f64::INFINITY, f64::min), values.fold(f64::NEG_INFINITY, f64::max));
     Ok(Some(Tuned {
         name: name.to_owned(),
         unit: tunable.unit.clone(),

@@ -1,7 +1,6 @@
 //! `lapwing bip`: runs models in RT-BIP.
 
 use std::cell::RefCell;
-use std::fs;
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -195,7 +194,7 @@ fn load(arguments: &RunModel) -> Result<Loaded, Complaint> {
 }
 
 fn read(path: &Path, sources: &mut SourceMap, found: &mut Vec<Diagnostic>) -> io::Result<Package> {
-    let text = fs::read_to_string(path)?;
+    let text = lapwing_diag::read_text(path)?;
     let file = sources.add(path.to_string_lossy(), text.as_str());
     let parsed = parse(file, &text);
     found.extend(parsed.diagnostics);

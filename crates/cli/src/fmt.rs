@@ -5,7 +5,7 @@ use std::io::{self, Read, Write};
 use std::path::Path;
 
 use lapwing::Findings;
-use lapwing_diag::{SourceMap, Style};
+use lapwing_diag::{SourceMap, Style, read_text, text};
 
 use crate::args::Fmt;
 use crate::complain::{Complaint, say, styles};
@@ -32,7 +32,7 @@ pub fn run(fmt: &Fmt) -> Result<Exit, Complaint> {
 /// Formats a file in place. Gives whether it was not as it should be.
 fn file(path: &Path, only_check: bool, style: Style) -> Result<bool, Complaint> {
     let wrong = |e: io::Error| Complaint::new(format!("{}: {e}", path.display()));
-    let text = fs::read_to_string(path).map_err(wrong)?;
+    let text = read_text(path).map_err(wrong)?;
     let formatted = formatted(&path.to_string_lossy(), &text, style)?;
     let differs = formatted != text;
     match (differs, only_check) {
@@ -45,8 +45,9 @@ fn file(path: &Path, only_check: bool, style: Style) -> Result<bool, Complaint> 
 
 /// Formats standard input to standard output.
 fn standard(only_check: bool, style: Style) -> Result<bool, Complaint> {
-    let mut text = String::new();
-    io::stdin().read_to_string(&mut text).map_err(|e| Complaint::new(format!("standard input: {e}")))?;
+    let mut bytes = Vec::new();
+    let read = io::stdin().read_to_end(&mut bytes).and_then(|_| text(bytes));
+    let text = read.map_err(|e| Complaint::new(format!("standard input: {e}")))?;
     let formatted = formatted("-", &text, style)?;
     let differs = formatted != text;
     match only_check {

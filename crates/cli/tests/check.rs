@@ -57,6 +57,31 @@ fn signals_that_are_conditions_are_shown_with_their_values() {
 }
 
 #[test]
+fn a_field_of_messages_that_nothing_declares_is_proposed() {
+    let message = |time: u32, ty: &str| {
+        format!(
+            "{{\"t\": {time}, \"topic\": \"/odom\"{ty}, \"msg\": {{\"id\": [1], \"deep\": {{\"low\": 2}}, \"speed\": 1}}}}\n"
+        )
+    };
+    let lines = |ty: &str| message(0, ty) + &message(1, ty);
+    let typed = lines(", \"type\": \"my/Odo\"");
+    let folder = Folder::new(&[("bare.ndjson", &lines("")), ("typed.ndjson", &typed)]);
+    for (recording, name, line) in [
+        ("bare.ndjson", "speed", "decl speed /odom TYPE.speed"),
+        ("typed.ndjson", "speed", "decl speed /odom my/Odo.speed"),
+        ("bare.ndjson", "low", "decl low /odom TYPE.deep.low"),
+    ] {
+        folder.write("spec.rv", format!("never {name} > 3\n").as_bytes());
+        let run = folder.lapwing(&format!("check spec.rv {recording}"));
+        assert!(run.code == 3 && run.stdout.contains(&format!("declare it, `{line}`\n")), "{}", run.stdout);
+        folder.write("declared.rv", format!("{line}\nnever {name} > 3\n").as_bytes());
+        assert_eq!(folder.lapwing(&format!("check declared.rv {recording}")).code, 0, "{line}");
+    }
+    folder.write("spec.rv", b"never peed > 3\n");
+    assert!(!folder.lapwing("check spec.rv bare.ndjson").stdout.contains("decl "));
+}
+
+#[test]
 fn a_value_of_another_kind_is_named_with_its_time() {
     let files = [
         ("spec.rv", "slow: never x + 1 > 5\nworn: always y\ntwice: count(z > 1, 10 s) < 5\n"),

@@ -163,6 +163,8 @@ fn new_declares_what_a_recording_has() {
     assert!(text.contains("decl cmd_vel /cmd_vel geometry_msgs/Twist.linear.x\n"), "{text}");
     assert_eq!(folder.lapwing("fmt --check robot.rv").code, 0, "{text}");
     assert_eq!(folder.lapwing("new run.mcap -o robot.rv").code, 2);
+    let fresh = folder.lapwing("check robot.rv run.mcap");
+    assert_eq!((fresh.code, &*fresh.stderr), (0, ""), "what was just written has nothing to be warned of");
     // With its properties uncommented it can be checked.
     let active: String = text
         .lines()

@@ -77,7 +77,12 @@ fn three_when_a_recording_cannot_be_opened() {
     folder.write("noise.mcap", b"\x00\x01\x02 nothing that anyone recorded");
     let run = folder.lapwing("check spec.rv noise.mcap run.csv");
     assert_eq!(run.code, 3, "{}", run.stdout);
-    assert!(run.stdout.contains("the recording cannot be opened: noise.mcap: no recording"), "{}", run.stdout);
+    assert!(run.stdout.contains("line 1  the recording cannot be opened\n"), "{}", run.stdout);
+    let why = "noise.mcap: no recording: it begins with";
+    assert!(run.stdout.contains(&format!("not everything was looked at: {why}")), "{}", run.stdout);
+    assert_eq!(run.stdout.matches(why).count(), 1, "said once, however many properties there are: {}", run.stdout);
+    let json = folder.lapwing("check spec.rv noise.mcap --format json").stdout;
+    assert_eq!(json.matches(why).count(), 2, "{json}");
     assert!(run.stdout.contains("1 inconclusive, 1 holds"), "{}", run.stdout);
 }
 
@@ -88,4 +93,18 @@ fn three_when_a_field_is_missing() {
     let run = folder.lapwing("check spec.rv run.mcap");
     assert_eq!(run.code, 3, "{}", run.stdout);
     assert!(run.stderr.contains("unknown-field") && run.stderr.contains("spec.rv:1"), "{}", run.stderr);
+}
+
+#[test]
+fn a_specification_that_is_no_text_is_told_with_its_place() {
+    let folder = Folder::new(&[("run.csv", "time,x\n0,1\n")]);
+    folder.write("latin.rv", b"never x > 3\n# caf\xe9\n");
+    let wide: Vec<u8> = "\u{feff}never x > 3\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    folder.write("wide.rv", &wide);
+    for command in ["check latin.rv run.csv", "fmt --check latin.rv", "explain latin.rv"] {
+        let run = folder.lapwing(command);
+        let said = "error: latin.rv: line 2, column 6: the byte 0xe9 is not UTF-8; save the file as UTF-8\n";
+        assert_eq!((run.code, &*run.stderr), (2, said), "{command}");
+    }
+    assert_eq!(folder.lapwing("check wide.rv run.csv").stderr, "error: wide.rv: it is UTF-16 text; save it as UTF-8\n");
 }

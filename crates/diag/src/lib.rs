@@ -10,8 +10,10 @@ mod diagnostic;
 mod render;
 mod source;
 pub mod suggest;
+mod text;
 
 pub use code::Code;
 pub use diagnostic::{Diagnostic, Label, Severity, has_errors};
 pub use render::{Style, render, render_short};
 pub use source::{FileId, SourceMap, Span};
+pub use text::{read_text, text};

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use lapwing_check::{Checked, Loaded, TraceShape, check, load};
-use lapwing_diag::{Code, Diagnostic, SourceMap, Span, Style, has_errors};
+use lapwing_diag::{Code, Diagnostic, SourceMap, Span, Style, has_errors, read_text};
 
 use crate::fitted::{Fitted, Latest};
 use crate::types::Known;
@@ -54,8 +54,7 @@ impl Spec {
     /// Reads and checks a file, with the message definitions of share trees, as [`lapwing_record::Options::msgs`] has them, for what its
     /// reactions write.
     pub fn load_with(path: &Path, msgs: &[PathBuf]) -> Result<Spec, SpecError> {
-        let text =
-            std::fs::read_to_string(path).map_err(|error| SpecError::Unreadable { path: path.to_owned(), error })?;
+        let text = read_text(path).map_err(|error| SpecError::Unreadable { path: path.to_owned(), error })?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let resolve = |used: &str| std::fs::read_to_string(folder.join(used)).ok();
         Spec::parse_with(&path.to_string_lossy(), &text, &resolve, msgs)

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use lapwing_react::backtest::Tried;
-use lapwing_syntax::ast::{ExprKind, ItemKind};
+use lapwing_syntax::ast::{Expr, ExprKind, ItemKind, Number};
 use lapwing_syntax::{FileId, parse};
 
 use crate::spec::{Spec, SpecError};
@@ -37,21 +37,22 @@ impl Tunable {
         let mut known = Vec::new();
         for item in parse(FileId(0), text).file.items {
             let ItemKind::Definition(definition) = item.kind else { continue };
-            match (&definition.body.kind, definition.name.name == name) {
-                (ExprKind::Number(number), true) if number.value > 0.0 => {
-                    let place = number.span.start as usize..number.span.end as usize;
-                    let unit = number.unit.map(|u| u.name().to_owned());
-                    return Ok(Tunable { name: name.to_owned(), value: number.value, unit, place });
-                }
-                (ExprKind::Number(_), true) => return Err(format!("`{name}` is zero: give it a value to begin with")),
-                (_, true) => {
-                    return Err(format!(
-                        "`{name}` is computed: give the number that is to be tuned a name of its own, as in `{name} = 0.3`"
-                    ));
-                }
-                (ExprKind::Number(_), false) => known.push(definition.name.name),
-                _ => {}
+            let number = literal(&definition.body);
+            if definition.name.name != name {
+                known.extend(number.map(|_| definition.name.name));
+                continue;
             }
+            let Some((value, number)) = number else {
+                return Err(format!(
+                    "`{name}` is computed: give the number that is to be tuned a name of its own, as in `{name} = 0.3`"
+                ));
+            };
+            if value == 0.0 {
+                return Err(format!("`{name}` is zero: give it a value to begin with"));
+            }
+            let place = definition.body.span.start as usize..definition.body.span.end as usize;
+            let unit = number.unit.map(|u| u.name().to_owned());
+            return Ok(Tunable { name: name.to_owned(), value, unit, place });
         }
         let names =
             if known.is_empty() { "it names no number".to_owned() } else { format!("there are {}", known.join(", ")) };
@@ -106,6 +107,18 @@ impl Tunable {
     }
 }
 
+/// The number that an expression is, with the sign that may stand before it.
+fn literal(body: &Expr) -> Option<(f64, &Number)> {
+    match &body.kind {
+        ExprKind::Number(number) => Some((number.value, number)),
+        ExprKind::Neg(operand) => match &operand.kind {
+            ExprKind::Number(number) => Some((-number.value, number)),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
 /// The words of a text that may be names.
 fn words(source: &str) -> impl Iterator<Item = &str> {
     source
@@ -138,7 +151,8 @@ pub struct Search {
 ///
 /// Between two neighbours of the first round, which differ by a factor of two, verdicts are taken to change at most once.
 pub fn search<E>(current: f64, mut judge: impl FnMut(&[f64]) -> Result<Vec<Tried>, E>) -> Result<Search, E> {
-    let grid: Vec<f64> = POWERS.map(|power| current * f64::powi(2.0, power)).collect();
+    let mut grid: Vec<f64> = POWERS.map(|power| current * f64::powi(2.0, power)).collect();
+    grid.sort_by(f64::total_cmp);
     let mut tried = judge(&grid)?;
     let first_round = tried.clone();
     if !tried.iter().any(Tried::fits) {
@@ -248,6 +262,9 @@ mod tests {
         // They lie between two neighbours of the first round.
         let (smallest, largest) = searched(100.0, 120.0, 121.0).unwrap();
         assert!((120.0..120.5).contains(&smallest) && (120.5..121.0).contains(&largest), "{smallest} {largest}");
+        // Below zero the smallest value is the one that is farthest from it.
+        let (smallest, largest) = searched(-100.0, -121.0, -40.0).unwrap();
+        assert!((-121.0..-120.5).contains(&smallest) && (-40.5..-40.0).contains(&largest), "{smallest} {largest}");
         assert_eq!(searched(100.0, 130.0, 110.0), None);
         let (smallest, largest) = searched(1.0, 0.0, f64::INFINITY).unwrap();
         assert_eq!((smallest, largest), (1.0 / 1024.0, 1024.0));
@@ -264,6 +281,13 @@ mod tests {
         assert_eq!((gap.value, gap.unit.as_deref(), gap.lines(&spec)), (100.0, Some("ms"), vec![2, 5]));
         let other = gap.with(&spec, 12.5, "t.rv, 12.5").unwrap();
         assert!(other.texts().next().unwrap().1.contains("gap = 12.5 ms  # limit\n"));
+        let below = Spec::parse("t.rv", "low = -3 m  # low\nnever x < low\n", &|_| None).unwrap();
+        let low = Tunable::find(&below, "low").unwrap();
+        assert_eq!((low.value, low.unit.as_deref(), low.lines(&below)), (-3.0, Some("m"), vec![1, 2]));
+        for (value, written) in [(-1.5, "low = -1.5 m  # low\n"), (2.0, "low = 2 m  # low\n")] {
+            let other = low.with(&below, value, "t.rv").unwrap();
+            assert!(other.texts().next().unwrap().1.starts_with(written), "{value}");
+        }
         assert!(Tunable::find(&spec, "twice").unwrap_err().contains("is computed"));
         assert!(Tunable::find(&spec, "limt").unwrap_err().contains("there are limit, gap"));
     }

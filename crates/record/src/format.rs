@@ -10,10 +10,12 @@ pub(crate) mod mcap;
 pub(crate) mod messages;
 pub(crate) mod metadata;
 pub(crate) mod ndjson;
+pub(crate) mod returns;
 pub(crate) mod rosbag2;
 mod signals;
 pub(crate) mod sqlite;
 pub(crate) mod stream;
+pub(crate) mod times;
 pub(crate) mod told;
 pub(crate) mod types;
 

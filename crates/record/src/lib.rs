@@ -55,7 +55,7 @@ pub use encode::{Converter, EncodeError, Encoder, Encoding};
 pub use error::{Loss, OpenError, Place, Position, ReadError};
 pub use expand::expand;
 pub use format::{Format, messages::Messages};
-pub use met::Met;
+pub use met::{Met, MetField};
 pub use options::{Limits, Options, TimeSource};
 pub use path::{Part, Path, PathError};
 pub use raw::{RawChannel, RawMessage, RawReader};

@@ -11,6 +11,19 @@ pub struct Met {
     pub topics: Vec<String>,
     /// Events.
     pub events: Vec<String>,
+    /// Fields of messages, where only the messages tell them.
+    pub fields: Vec<MetField>,
+}
+
+/// A field of the messages of a topic.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MetField {
+    /// The topic, as recorded.
+    pub topic: String,
+    /// The type, as [`normal_name`](crate::normal_name) spells it; empty where none is recorded.
+    pub type_name: String,
+    /// The way to the field, with points.
+    pub path: String,
 }
 
 impl Met {

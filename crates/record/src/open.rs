@@ -12,9 +12,11 @@ use crate::format::csv::{self, Csv};
 use crate::format::lines::{Line, Lines};
 use crate::format::mcap::{self, Mcap};
 use crate::format::ndjson::Ndjson;
+use crate::format::returns::{self, Returns};
 use crate::format::rosbag2::{self, Rosbag2};
 use crate::format::sqlite::{self, Sqlite};
 use crate::format::stream::Stream;
+use crate::format::times::like_time;
 use crate::format::told::{self, Told};
 use crate::format::{Format, Source};
 use crate::options::Limits;
@@ -102,7 +104,14 @@ pub(crate) fn text(
     limits: &Limits,
 ) -> Result<Opened, OpenError> {
     let unrecognised = |seen: String| OpenError::Unrecognised { path: path.to_owned(), seen };
-    let start = first_line(&mut *from, limits).map_err(|error| OpenError::Io { path: path.to_owned(), error })?;
+    let mut start = first_line(&mut *from, limits).map_err(|error| OpenError::Io { path: path.to_owned(), error })?;
+    if is_utf16(&start) {
+        let what = "it is UTF-16 text; save it as UTF-8".to_owned();
+        return Err(OpenError::Unsupported { path: path.to_owned(), what });
+    }
+    if is_table(&start) && returns::end_lines_of(&start) {
+        from = Box::new(Returns::new(&mut start, from));
+    }
     let again = || Lines::new(Box::new(Cursor::new(start.clone()).chain(from)), path, total, limits.line);
     let mut head = Lines::new(Box::new(Cursor::new(start.clone())), path, 0, limits.line);
     let first = first(&mut head).map_err(|e| OpenError::Io { path: path.to_owned(), error: e.error })?;
@@ -119,22 +128,36 @@ pub(crate) fn text(
     Err(unrecognised(format!("it begins with {}{}", shown(&first), hint(&first))))
 }
 
-/// What would have made a table of it, where little is missing.
-fn hint(header: &[u8]) -> String {
-    let names = |is_separator: fn(&u8) -> bool| header.split(is_separator).map(<[u8]>::trim_ascii);
-    if names(|b| matches!(b, b';' | b'\t')).any(|name| matches!(name, b"time" | b"time_ns")) && !header.contains(&b',')
-    {
-        return ", and its columns are not separated by commas".to_owned();
-    }
-    let is_like_time = |name: &&[u8]| TIMES.iter().any(|time| name.eq_ignore_ascii_case(time));
-    match names(|b| *b == b',').find(is_like_time) {
-        Some(name) => format!(": is its column `{}` the time? Name it so", name.escape_ascii()),
-        None => String::new(),
+/// Whether it is no JSON, in which a carriage return is a blank like any other.
+fn is_table(start: &[u8]) -> bool {
+    !start.strip_prefix("\u{feff}".as_bytes()).unwrap_or(start).trim_ascii_start().starts_with(b"{")
+}
+
+/// Whether a text begins with the mark of UTF-16, or with a character of ASCII in two bytes.
+fn is_utf16(start: &[u8]) -> bool {
+    let is_wide = |a: u8, b: u8| a == 0 && (b.is_ascii_graphic() || b.is_ascii_whitespace());
+    match start {
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => true,
+        [a, b, c, d, ..] => (is_wide(*a, *b) && is_wide(*c, *d)) || (is_wide(*b, *a) && is_wide(*d, *c)),
+        _ => false,
     }
 }
 
-/// What a column of time is called elsewhere.
-const TIMES: &[&[u8]] = &[b"time", b"time_ns", b"t", b"timestamp", b"stamp", b"seconds", b"sec"];
+/// What would have made a table of it, where little is missing.
+fn hint(header: &[u8]) -> String {
+    let mut others = header.split(|b| matches!(b, b';' | b'\t')).map(<[u8]>::trim_ascii);
+    if others.any(|name| matches!(name, b"time" | b"time_ns")) && !header.contains(&b',') {
+        return ", and its columns are not separated by commas".to_owned();
+    }
+    let Some(names) = csv::names(header) else { return ", and a quote in it is not closed".to_owned() };
+    match like_time(names.iter().map(String::as_str)) {
+        Some(name) => format!(
+            ": is its column `{}` the time? Name it `time` if it is in seconds, `time_ns` if in nanoseconds",
+            name.escape_debug()
+        ),
+        None => String::new(),
+    }
+}
 
 /// The bytes of a stream up to the end of its first line that is not blank: no more is asked for than comes.
 fn first_line(from: &mut dyn Read, limits: &Limits) -> io::Result<Vec<u8>> {
@@ -143,7 +166,8 @@ fn first_line(from: &mut dyn Read, limits: &Limits) -> io::Result<Vec<u8>> {
     loop {
         let text = bytes.trim_ascii_start();
         let limit = if text.starts_with(b"{") { limits.line } else { MAX_HEADER };
-        if text.contains(&b'\n') || bytes.len() > limit {
+        let is_whole = text.contains(&b'\n') || (is_table(&bytes) && returns::end_lines_of(text));
+        if is_whole || bytes.len() > limit {
             return Ok(bytes);
         }
         match from.read(&mut buffer) {

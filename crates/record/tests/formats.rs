@@ -69,6 +69,22 @@ fn csv_rows() {
 }
 
 #[test]
+fn csv_rows_may_end_in_carriage_returns_alone() {
+    let text = "\u{feff}time,x\r0.1,1\r\rsoon,2\r0.3,a\r";
+    let (_dir, recording) = recording(text.as_bytes(), Options::default());
+    assert_eq!(recording.columns().iter().map(|c| &**c).collect::<Vec<_>>(), ["x"]);
+    let (rows, losses) = shown(recording, &[]);
+    assert_eq!(rows, ["100000000 row x=1", "300000000 row x=\"a\""]);
+    assert!(losses[0].contains("line 4, column 1: the time `soon`") && losses.len() == 1, "{losses:?}");
+}
+
+#[test]
+fn a_carriage_return_in_json_is_a_blank() {
+    let (_dir, recording) = recording(b"{\"t\": 1,\r\"values\": {\"x\": 2}}\n", Options::default());
+    assert_eq!(shown(recording, &[]), (vec!["1000000000 row x=2".to_owned()], vec![]));
+}
+
+#[test]
 fn wrong_csv_rows_are_losses_with_their_place() {
     let text = "time_ns,x\n5,1\nsoon,2\n7\n8,1,2\n9,\"open\n10,3\n";
     let (_dir, recording) = recording(text.as_bytes(), Options::default());
@@ -84,6 +100,31 @@ fn wrong_csv_rows_are_losses_with_their_place() {
             "line 6, column 3: a quote is not closed in its line: it is lost",
         ]
     );
+}
+
+#[test]
+fn a_time_under_another_name_or_in_another_unit_is_told() {
+    let said = |text: &str| {
+        let (_dir, recording) = recording(text.as_bytes(), Options::default());
+        shown(recording, &[]).1[0].split_once("line ").unwrap().1.to_owned()
+    };
+    let name = "Name it \"t\" if it is in seconds, \"t_ns\" if in nanoseconds";
+    for key in ["time", "time_ns", "timestamp", "stamp", "ts"] {
+        let line = format!("{{\"{key}\": 0, \"topic\": \"/odom\", \"speed\": 1}}\n");
+        assert_eq!(
+            said(&line),
+            format!("1: the line is lost: the object has no time: is its \"{key}\" the time? {name}")
+        );
+    }
+    let without = "1: the line is lost: the object has no time: write \"t\" in seconds or \"t_ns\"";
+    assert_eq!(said("{\"speed\": 1, \"msg\": {\"time\": 1}}\n"), without);
+    assert!(said("{\"t\": 0, \"topic\": \"/odom\", \"speed\": 1}\n").contains("\"topic\" but no \"msg\""));
+    let lost = "is too large for seconds (name it `time_ns` if it is in nanoseconds): it is lost";
+    assert_eq!(said("time,x\n1700000000000000000,1\n"), format!("2, column 1: the time `1700000000000000000` {lost}"));
+    assert!(
+        said("{\"t\": 1700000000000000000, \"values\": {}}\n").ends_with("name it `t_ns` if it is in nanoseconds)")
+    );
+    assert!(said("{\"t\": 1700000000000, \"values\": {}}\n").contains("seems to be in milliseconds"));
 }
 
 #[test]

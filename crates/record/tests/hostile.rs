@@ -84,6 +84,29 @@ fn a_database_may_end_anywhere() {
     assert!(complete(&outcome) && outcome.losses.is_empty());
 }
 
+#[test]
+fn of_a_database_without_its_end_the_rest_is_read() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.db3");
+    make::long_db3(&path, 2000);
+    let bytes = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+    let outcome = read(&path, Options::default()).unwrap();
+    let got = outcome.messages.len();
+    assert!((500..1500).contains(&got), "{got} messages: {:?}", outcome.losses);
+    let last = outcome.messages.last().map(|(time, ..)| *time);
+    assert_eq!(last, Some(1000 * (got as i64 - 1)), "those before the cut come in their order");
+    let [broken, cut] = &outcome.losses[..] else { panic!("{:?}", outcome.losses) };
+    assert!(broken.what.contains("cannot be read") && broken.what.contains(".recover"), "{broken}");
+    assert!(cut.what.contains("was cut off here"), "{cut}");
+    assert!(outcome.losses.iter().all(|loss| loss.after.map(|t| t.0) == last), "{:?}", outcome.losses);
+    // So little is left that not even the tables are known.
+    std::fs::write(&path, &bytes[..600]).unwrap();
+    let error = read(&path, Options::default()).map(|_| ()).unwrap_err().to_string();
+    assert!(error.contains("`sqlite3 ") && error.contains("a.db3 .recover"), "{error}");
+    assert!(error.contains(&format!("only 600 of its {} bytes", bytes.len())), "{error}");
+}
+
 /// A small generator of numbers: the same ones on every run.
 struct Random(u64);
 
@@ -297,8 +320,16 @@ fn what_is_no_recording_is_told_what_was_seen() {
     assert!(seen(b"\x7fELF\x02\x01").contains(r"`\x7fELF\x02\x01`"));
     assert!(seen(b"a,b\n1,2\n").contains("`time`"));
     assert!(seen(b"time;b\n1;2\n").contains("not separated by commas"));
-    assert!(seen(b"Time,b\n1,2\n").contains("is its column `Time` the time?"));
+    assert!(seen(b"Time,b\n1,2\n").contains("is its column `Time` the time? Name it `time`"));
+    assert!(seen(b"time_to_goal,\"timestamp\"\n1,2\n").contains("is its column `timestamp` the time?"));
+    assert!(seen(b"time,\"a\n1,2\n").contains("a quote in it is not closed"));
     assert!(seen(b"#ROSBAG V1.2\n").contains("rosbag fix"));
+    let wide = |text: &str, order: fn(u16) -> [u8; 2]| text.encode_utf16().flat_map(order).collect::<Vec<u8>>();
+    for text in ["\u{feff}time,b\n1,2\n", "time,b\r\n1,2\r\n", "\u{feff}{\"t\": 0}\n", "{\"t\": 0}\n"] {
+        for order in [u16::to_le_bytes, u16::to_be_bytes] {
+            assert!(seen(&wide(text, order)).ends_with("x: it is UTF-16 text; save it as UTF-8"), "{text}");
+        }
+    }
     let folder = read(Path::new(dir.path()), Options::default()).map(|_| ()).unwrap_err();
     assert!(matches!(folder, OpenError::Unrecognised { .. }));
     assert!(read(&dir.path().join("none"), Options::default()).map(|_| ()).unwrap_err().to_string().contains("none"));

@@ -34,6 +34,25 @@ pub fn written(name: &str) -> Option<String> {
     (!name.contains(['`', '\n', '\r']) && stands(&quoted)).then_some(quoted)
 }
 
+/// What was meant by a name that ends what seems to be the unit of a number, as `s2` does in `1.5 m/s2`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeantUnit {
+    /// So many bytes before the name the unit begins.
+    pub before: usize,
+    /// The unit, where there is such a one.
+    pub unit: Option<&'static str>,
+}
+
+/// Whether a name is the end of what seems to be the unit of a number; `before` is the text in front of it.
+pub fn meant_unit(before: &str, name: &str) -> Option<MeantUnit> {
+    words::unit_around(before, name).map(|(before, unit)| MeantUnit { before, unit })
+}
+
+/// The units that a number may have, in a sentence.
+pub fn units_listed() -> String {
+    words::listed(words::units())
+}
+
 /// The tokens of a text, comments among them, each with what it is where it stands: for an editor.
 pub fn tokens(text: &str) -> Vec<Token> {
     parse(FileId::default(), text).tokens

@@ -141,7 +141,32 @@ pub(crate) fn units() -> impl Iterator<Item = &'static str> + Clone {
 pub(crate) fn unit_meant(written: &str) -> Option<&'static str> {
     let lower = written.to_lowercase();
     let known = units().find(|name| name.eq_ignore_ascii_case(written));
-    known.or_else(|| long_name(&lower))
+    known.or_else(|| long_name(&lower)).or_else(|| quotient(&lower))
+}
+
+/// The unit of a quotient whose parts or whose square are written otherwise: `m/s2`, `m/s/s`, `meters/sec`.
+fn quotient(written: &str) -> Option<&'static str> {
+    let (above, below) = written.split_once('/')?;
+    let (below, square) = match below.strip_suffix(['2', '²']).map(|base| base.trim_end_matches(['^', '*'])) {
+        Some(base) => (base, "^2"),
+        None => match below.split_once('/') {
+            Some((once, twice)) if unit_meant(once) == unit_meant(twice) => (once, "^2"),
+            _ => (below, ""),
+        },
+    };
+    let meant = format!("{}/{}{square}", unit_meant(above)?, unit_meant(below)?);
+    units().find(|name| *name == meant)
+}
+
+/// Where a name is the end of what was meant as the unit of a number, as `s2` in `1.5 m/s2`: how many bytes before the name that unit begins, and
+/// what it was meant to be.
+pub(crate) fn unit_around(before: &str, name: &str) -> Option<(usize, Option<&'static str>)> {
+    let is_of_unit = |c: char| c.is_alphabetic() || c == '/';
+    let start = before.trim_end_matches(is_of_unit);
+    let begun = &before[start.len()..];
+    let is_number = start.trim_end_matches([' ', '\t']).ends_with(|c: char| c.is_ascii_digit());
+    let known = begun.strip_suffix('/').filter(|unit| units().any(|known| known == *unit));
+    (is_number && known.is_some()).then(|| (begun.len(), unit_meant(&format!("{begun}{name}"))))
 }
 
 /// The unit of a longer name.
@@ -155,6 +180,7 @@ fn long_name(written: &str) -> Option<&'static str> {
         "hr" | "hrs" | "hour" | "hours" => "h",
         "meter" | "meters" | "metre" | "metres" => "m",
         "mps" => "m/s",
+        "mps2" | "mpss" => "m/s^2",
         "degree" | "degrees" => "deg",
         "radian" | "radians" => "rad",
         "hertz" => "Hz",

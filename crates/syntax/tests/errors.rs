@@ -197,6 +197,7 @@ fn numbers_and_units() {
         ("never x > 1.2.3", Code::BadNumber, "1.2.3", "`1.2.3` is no number"),
         ("never x > 1e999", Code::BadNumber, "1e999", "`1e999` is too large a number"),
         ("never x > 5 sec", Code::UnknownUnit, "sec", "`sec` is no unit"),
+        ("never x > 5mps2", Code::UnknownUnit, "mps2", "`mps2` is no unit"),
         ("never x > 5kg", Code::UnknownUnit, "kg", "`kg` is no unit"),
         ("never x > 5 meters and y", Code::UnknownUnit, "meters", "`meters` is no unit"),
         ("x.5 > 3", Code::Syntax, "5", "expected a name after the dot, found the number `5`"),

@@ -19,14 +19,14 @@ pub(super) fn check(cx: &mut Cx) {
             continue;
         }
         let (what, help) = match &entry.item.kind {
+            // What has no property at all is a file for others to use, or one that is only begun.
+            ItemKind::Decl(_) | ItemKind::Event(_) | ItemKind::Pattern(_) if cx.spec.properties.is_empty() => continue,
             ItemKind::Decl(_) => {
                 ("signal", "its topic is read all the same, and makes instants; remove the line if nothing needs it")
             }
             ItemKind::Event(_) => {
                 ("event", "remove the line, or list the event after `over` where it should count as an instant")
             }
-            // What has no property at all is a file for others to use.
-            ItemKind::Pattern(_) if cx.spec.properties.is_empty() => continue,
             ItemKind::Pattern(_) => ("pattern", "remove it, or call it"),
             ItemKind::Definition(d) if d.each.is_empty() && !cx.graph.is_temporal(index) => (
                 "name",

@@ -173,7 +173,7 @@ fn ask(run: &mut Run, path: &Path, is_real: bool) -> Result<(), Complaint> {
 pub fn requests_of(path: &Path, model: &Model, types: &Types) -> Result<Vec<request::Timed>, Complaint> {
     let text = match path == Path::new("-") {
         true => io::read_to_string(io::stdin()),
-        false => std::fs::read_to_string(path),
+        false => lapwing_diag::read_text(path),
     };
     let text = text.map_err(|e| Complaint::new(format!("{} cannot be read: {e}", path.display())))?;
     request::file(model, types, &text).map_err(|errors| {

@@ -75,6 +75,13 @@ pub(crate) fn verdict_line(property: &Property, origin: Origin) -> String {
     }
 }
 
+/// The details of a property without what is said of the recording as a whole, in a line of its own: it may be long, and would stand at every
+/// property.
+fn said_once(report: &Report, details: String) -> String {
+    let without = |gap: &String| details.strip_suffix(gap.as_str())?.strip_suffix(": ").map(str::to_owned);
+    report.gaps.iter().find_map(without).unwrap_or(details)
+}
+
 /// What was read, what went unseen, and what else is to be known, each on a line.
 pub(crate) fn remarks(report: &Report) -> String {
     let mut lines = Vec::new();
@@ -131,7 +138,7 @@ fn label(report: &Report, property: &Property) -> String {
 fn verdict(report: &Report, property: &Property, width: usize, paint: Paint) -> String {
     let word = paint.verdict(property.verdict, &format!("{:<12}", property.verdict.word()));
     let name = format!("{:<width$}", label(report, property));
-    let details = details(property, Origin::of(report));
+    let details = said_once(report, details(property, Origin::of(report)));
     let mut out = format!("  {word}  {name}  {details}").trim_end().to_owned() + "\n";
     if !property.has_failed() {
         out.extend(property.hints.iter().map(|hint| format!("      {}\n", hint.replace('\n', "\n      "))));

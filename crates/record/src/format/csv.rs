@@ -11,6 +11,7 @@ use lapwing_stream::{Name, Time, Value};
 
 use super::lines::{Line, Lines};
 use super::signals::Signals;
+use super::times;
 use super::{Channel, Head, Source};
 use crate::cells::Cells;
 use crate::decimal;
@@ -101,8 +102,8 @@ impl Csv {
 
 fn stamp(cell: &cells::Cell<'_>, unit: i64) -> Result<Time, (u64, String)> {
     let time = decimal::scaled(cell.text.trim_ascii(), unit);
-    let wrong = |e: decimal::DecimalError| format!("the time `{}` {}", String::from_utf8_lossy(&cell.text), e.reason());
-    time.map(Time).map_err(|e| (cell.at, wrong(e)))
+    let wrong = |e| times::wrong(cell.text.trim_ascii(), unit, "time_ns", e);
+    time.map(Time).map_err(|e| (cell.at, format!("the time `{}` {}", String::from_utf8_lossy(&cell.text), wrong(e))))
 }
 
 /// The column of the time and its unit: `time_ns` rather than `time`.

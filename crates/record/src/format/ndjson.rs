@@ -13,6 +13,7 @@ use std::ops::Range;
 use lapwing_stream::{Name, Time};
 
 use super::lines::{Line, Lines};
+use super::times::{self, like_time};
 use super::{Channel, Head, Source};
 use crate::cells::Cells;
 use crate::decimal;
@@ -100,8 +101,7 @@ impl Ndjson {
     fn object(&mut self, line: &Range<usize>) -> Result<(Time, Head), DecodeError> {
         let text = self.lines.bytes(line);
         let Parts { time, topic, ty, message, values, event } = Parts::of(text, &mut self.row, &self.limits)?;
-        let time =
-            time.ok_or_else(|| DecodeError::new("the object has no time: write \"t\" in seconds or \"t_ns\""))?;
+        let time = time.ok_or_else(|| without_time(text))?;
         let head = if let Some(name) = event {
             self.event.clear();
             self.event.push_str(&name);
@@ -117,13 +117,17 @@ impl Ndjson {
             }
             Head::Row
         } else {
-            let (Some(topic), Some(message)) = (topic, message) else {
-                return Err(DecodeError::new(
-                    "the object has neither \"topic\" and \"msg\", nor \"values\", nor \"event\"",
-                ));
+            let (Some(topic), Some(message)) = (&topic, message) else {
+                return Err(DecodeError::new(match topic {
+                    Some(_) => {
+                        "the object has \"topic\" but no \"msg\": write the fields of the message as an object, \"msg\": {…}"
+                    }
+                    None => "the object has neither \"topic\" and \"msg\", nor \"values\", nor \"event\"",
+                }));
             };
+            let found = self.topics.find(topic, &ty, &text[message.clone()])?;
             self.message = line.start + message.start..line.start + message.end;
-            Head::Message(self.topics.find(&topic, &ty)?)
+            Head::Message(found)
         };
         Ok((time, head))
     }
@@ -175,14 +179,37 @@ fn range(scanner: &mut Scanner<'_>) -> Result<Range<usize>, DecodeError> {
 fn time(scanner: &mut Scanner<'_>, unit: i64) -> Result<Time, DecodeError> {
     let start = scanner.clone();
     let digits = scanner.digits()?;
-    decimal::scaled(digits, unit).map(Time).map_err(|e| no_time(digits, start, e))
+    decimal::scaled(digits, unit).map(Time).map_err(|e| no_time(digits, start, unit, e))
+}
+
+/// What to say of an object that has no time under the names by which it is read.
+fn without_time(text: &[u8]) -> DecodeError {
+    let keys = keys(text).unwrap_or_default();
+    let found = match like_time(keys.iter().map(String::as_str)) {
+        Some(key) => {
+            format!(": is its \"{key}\" the time? Name it \"t\" if it is in seconds, \"t_ns\" if in nanoseconds")
+        }
+        None => ": write \"t\" in seconds or \"t_ns\"".to_owned(),
+    };
+    DecodeError::new(format!("the object has no time{found}"))
+}
+
+/// The keys of an object.
+fn keys(text: &[u8]) -> Result<Vec<String>, DecodeError> {
+    let (mut scanner, mut first, mut keys) = (Scanner::new(text), true, Vec::new());
+    scanner.open(b'{')?;
+    while scanner.more(b'}', &mut first)? {
+        keys.push(scanner.key()?.into_owned());
+        scanner.skip()?;
+    }
+    Ok(keys)
 }
 
 /// So many bytes of what is no time are shown.
 const SHOWN: usize = 40;
 
 /// What to say of the value that begins there with these digits, which is no time.
-fn no_time(digits: &[u8], mut value: Scanner<'_>, error: decimal::DecimalError) -> DecodeError {
+fn no_time(digits: &[u8], mut value: Scanner<'_>, unit: i64, error: decimal::DecimalError) -> DecodeError {
     let written = match value.raw() {
         Ok(written) => written,
         Err(_) if !digits.is_empty() => digits,
@@ -190,7 +217,7 @@ fn no_time(digits: &[u8], mut value: Scanner<'_>, error: decimal::DecimalError) 
     };
     let shown = String::from_utf8_lossy(written.get(..SHOWN).unwrap_or(written));
     let more = if written.len() > SHOWN { "…" } else { "" };
-    DecodeError::new(format!("the time `{shown}{more}` {}", error.reason()))
+    DecodeError::new(format!("the time `{shown}{more}` {}", times::wrong(digits, unit, "t_ns", error)))
 }
 
 impl Source for Ndjson {
@@ -248,7 +275,8 @@ impl Source for Ndjson {
             signals.extend(chosen.others().names().map(str::to_owned));
         }
         let events = self.events.iter().cloned().collect();
-        Met { signals: signals.into_iter().collect(), events, ..Met::of(self.channels()) }
+        let fields = self.topics.fields().to_vec();
+        Met { signals: signals.into_iter().collect(), events, fields, ..Met::of(self.channels()) }
     }
 
     fn place(&self) -> Place {

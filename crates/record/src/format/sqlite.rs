@@ -34,6 +34,8 @@ pub(crate) struct Sqlite {
     data: Vec<u8>,
     /// Bytes of the file and bytes that it says it has, where these are more.
     cut_off: Option<(u64, u64)>,
+    /// The row after which none can be read, and why.
+    broken: Option<(i64, String)>,
     ended: bool,
 }
 
@@ -49,12 +51,19 @@ impl From<rusqlite::Error> for Fault {
 impl Sqlite {
     /// Opens a file. `shown` is what it is called in messages.
     pub fn open(path: &Path, shown: &Path, library: &Library, limits: &Limits) -> Result<Sqlite, OpenError> {
-        let damaged = |error: rusqlite::Error| OpenError::Damaged {
-            at: Place::new(shown, Position::Whole),
-            what: format!("it cannot be read as a rosbag2 database: {error}"),
+        let cut_off = cut_off(path).map_err(|error| OpenError::Io { path: shown.to_owned(), error })?;
+        let damaged = |error: rusqlite::Error| {
+            let cut = cut_off
+                .map_or_else(String::new, |(have, want)| format!("only {have} of its {want} bytes are there, and "));
+            let what = format!("{cut}it cannot be read as a rosbag2 database: {error}{}", rescue(shown, &error));
+            OpenError::Damaged { at: Place::new(shown, Position::Whole), what }
         };
         let db = Connection::open_with_flags(path, OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX)
             .map_err(damaged)?;
+        if cut_off.is_some() {
+            // SQLite refuses a database that lacks pages, unless it is about to be mended; the file stays as it is, being opened to be read.
+            db.pragma_update(None, "writable_schema", true).map_err(damaged)?;
+        }
         let mut sqlite = Sqlite {
             db,
             path: shown.to_owned(),
@@ -65,7 +74,8 @@ impl Sqlite {
             row: i64::MIN,
             last_row: i64::MAX,
             data: Vec::new(),
-            cut_off: cut_off(path).map_err(|error| OpenError::Io { path: shown.to_owned(), error })?,
+            cut_off,
+            broken: None,
             ended: false,
         };
         sqlite.learn(library).map_err(|Fault(error)| damaged(error))?;
@@ -99,8 +109,13 @@ impl Sqlite {
         }
         drop(rows);
         drop(topics);
-        self.last_row =
-            self.db.query_row("SELECT max(rowid) FROM messages", [], |row| row.get::<_, Option<i64>>(0))?.unwrap_or(0);
+        let last_row = self.db.query_row("SELECT max(rowid) FROM messages", [], |row| row.get::<_, Option<i64>>(0));
+        self.last_row = match last_row {
+            Ok(row) => row.unwrap_or(0),
+            // The last page is the first to be missing, and those before it can be read.
+            Err(_) if self.cut_off.is_some() => 0,
+            Err(error) => return Err(error.into()),
+        };
         Ok(())
     }
 
@@ -172,6 +187,16 @@ impl Sqlite {
     }
 }
 
+/// What may save more of a damaged database than can be read of it.
+fn rescue(path: &Path, error: &rusqlite::Error) -> String {
+    match error.sqlite_error_code() {
+        Some(rusqlite::ErrorCode::DatabaseCorrupt | rusqlite::ErrorCode::NotADatabase) => {
+            format!("; `sqlite3 {} .recover | sqlite3 recovered.db3` may save what else is there", path.display())
+        }
+        _ => String::new(),
+    }
+}
+
 /// Whether a database lacks its end. SQLite takes what lacks for zeros, which would pass for a shorter recording.
 fn cut_off(path: &Path) -> io::Result<Option<(u64, u64)>> {
     let mut head = Vec::new();
@@ -202,12 +227,16 @@ impl Source for Sqlite {
                     self.ended = true;
                     self.batch.reverse();
                     let last = self.batch.first().map_or(self.row, |(row, ..)| *row);
-                    let what = format!("the rows after this one cannot be read ({error}): they are lost");
-                    losses.add(Place::new(&self.path, Position::Row(last.max(0))), what);
+                    let rescue = rescue(&self.path, &error);
+                    self.broken =
+                        Some((last.max(0), format!("the rows after this one cannot be read ({error}){rescue}")));
                 }
                 self.ended |= self.batch.is_empty();
             }
             let Some((row, topic, time)) = self.batch.pop() else {
+                if let Some((row, what)) = self.broken.take() {
+                    losses.add(Place::new(&self.path, Position::Row(row)), what);
+                }
                 if let Some((have, want)) = self.cut_off.take() {
                     let what = format!(
                         "the file was cut off here, {} bytes before its end: what was there is lost",

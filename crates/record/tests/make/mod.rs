@@ -68,6 +68,11 @@ pub fn mcap(compression: Option<mcap::Compression>, chunks: bool) -> Vec<u8> {
 
 /// A rosbag2 database of the topic `/a`, in small pages.
 pub fn db3(path: &Path) {
+    long_db3(path, COUNT);
+}
+
+/// The same with so many messages.
+pub fn long_db3(path: &Path, count: usize) {
     let db = rusqlite::Connection::open(path).unwrap();
     db.execute_batch(
         "PRAGMA page_size = 512; PRAGMA journal_mode = OFF;
@@ -78,10 +83,12 @@ pub fn db3(path: &Path) {
     )
     .unwrap();
     db.execute("INSERT INTO message_definitions VALUES (1, 'p/msg/T', 'ros2msg', ?1)", [DEFINITION]).unwrap();
-    for k in 0..COUNT {
+    db.execute_batch("BEGIN").unwrap();
+    for k in 0..count {
         db.execute("INSERT INTO messages VALUES (NULL, 7, ?1, ?2)", rusqlite::params![1000 * k as i64, cdr(k)])
             .unwrap();
     }
+    db.execute_batch("COMMIT").unwrap();
 }
 
 /// A record of a ROS 1 bag.

@@ -3,9 +3,13 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use lapwing_stream::Value;
+
 use super::super::Channel;
-use crate::decode::{DecodeError, MessageType};
+use crate::cells::fields;
+use crate::decode::{DecodeError, MessageType, json_value, scan::Scanner};
 use crate::definition::{Library, normal_name};
+use crate::met::MetField;
 
 /// The topics of a stream, with the types that its lines say.
 pub(super) struct Topics {
@@ -16,9 +20,16 @@ pub(super) struct Topics {
     /// The type of each as its lines say it.
     said: Vec<String>,
     by_name: BTreeMap<String, BTreeMap<String, usize>>,
+    /// The fields of the first message of each.
+    fields: Vec<MetField>,
     /// The one that was found last.
     last: usize,
 }
+
+/// So many fields are remembered.
+const MOST_FIELDS: usize = 4096;
+/// An array with more elements is remembered by its own name, and so is what comes after it.
+const ELEMENTS: usize = 1000;
 
 impl Topics {
     pub fn new(library: &Library, most: usize) -> Topics {
@@ -28,6 +39,7 @@ impl Topics {
             channels: Vec::new(),
             said: Vec::new(),
             by_name: BTreeMap::new(),
+            fields: Vec::new(),
             last: 0,
         }
     }
@@ -37,17 +49,46 @@ impl Topics {
         &self.channels
     }
 
-    /// The channel of a topic and a type, which may be empty.
-    pub fn find(&mut self, topic: &str, ty: &str) -> Result<usize, DecodeError> {
+    /// The fields that their first messages had: for who asks for one without a declaration.
+    pub fn fields(&self) -> &[MetField] {
+        &self.fields
+    }
+
+    /// The channel of a topic and a type, which may be empty, and of which that is a message.
+    pub fn find(&mut self, topic: &str, ty: &str, message: &[u8]) -> Result<usize, DecodeError> {
         // PERF: the next line is often one of the same topic.
         if self.channels.get(self.last).is_some_and(|c| *c.topic == *topic) && self.said[self.last] == ty {
             return Ok(self.last);
         }
         self.last = match self.by_name.get(topic).and_then(|types| types.get(ty)) {
             Some(known) => *known,
-            None => self.add(topic, ty)?,
+            None => {
+                let added = self.add(topic, ty)?;
+                // What is wrong with a message is said where it is decoded.
+                let _ = self.look_into(message, topic, &normal_name(ty));
+                added
+            }
         };
         Ok(self.last)
+    }
+
+    fn look_into(&mut self, message: &[u8], topic: &str, type_name: &str) -> Result<(), DecodeError> {
+        let (mut scanner, mut first, mut value) = (Scanner::new(message), true, Value::Missing);
+        scanner.open(b'{')?;
+        while scanner.more(b'}', &mut first)? {
+            let key = scanner.key()?;
+            if json_value(&mut scanner.clone(), &mut { ELEMENTS }, &mut value).is_err() {
+                value = Value::Missing;
+            }
+            fields(&key, &value, &mut |path, _| {
+                if self.fields.len() < MOST_FIELDS {
+                    let (topic, type_name, path) = (topic.to_owned(), type_name.to_owned(), path.to_owned());
+                    self.fields.push(MetField { topic, type_name, path });
+                }
+            });
+            scanner.skip()?;
+        }
+        Ok(())
     }
 
     fn add(&mut self, topic: &str, ty: &str) -> Result<usize, DecodeError> {
