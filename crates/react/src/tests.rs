@@ -396,3 +396,19 @@ fn one_failure_is_worse_than_any_doubt() {
     assert_eq!(of(&[Verdict::Inconclusive, Verdict::Unmet], true), Standing::Failed);
     assert_eq!(of(&[Verdict::Violated, Verdict::Holds], false), Standing::Failed);
 }
+
+#[test]
+fn of_many_losses_the_first_and_the_last_are_told_and_the_others_counted() {
+    let shown = |losses: usize| {
+        let gaps = (1..=losses).map(|line| format!("run.csv, line {line}: the line is lost")).collect();
+        text::remarks(&Report { gaps, topics: vec![], warnings: vec![], ..sample() })
+    };
+    assert_eq!(shown(10).lines().count(), 10);
+    let many = shown(1_000);
+    let last = [
+        "  not everything was looked at: run.csv, line 9: the line is lost",
+        "  not everything was looked at: 990 more like these, which `--format json` lists",
+        "  not everything was looked at: run.csv, line 1000: the line is lost",
+    ];
+    assert_eq!(many.lines().skip(8).collect::<Vec<_>>(), last);
+}

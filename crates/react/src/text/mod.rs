@@ -15,6 +15,9 @@ pub(crate) use paint::Paint;
 /// A share of messages that no instant saw, beyond which it is worth a word.
 const UNSEEN: f64 = 0.1;
 
+/// So many losses are told one by one: thousands of lines would hide the verdicts.
+const MOST_GAPS: usize = 10;
+
 /// The report of one recording.
 pub(crate) fn report(report: &Report, style: Style) -> String {
     let paint = Paint(style);
@@ -86,7 +89,7 @@ fn said_once(report: &Report, details: String) -> String {
 pub(crate) fn remarks(report: &Report) -> String {
     let mut lines = Vec::new();
     lines.extend(report.topics.iter().filter_map(unseen));
-    lines.extend(report.gaps.iter().map(|gap| format!("not everything was looked at: {gap}")));
+    lines.extend(gaps(&report.gaps));
     let origin = Origin::of(report);
     lines.extend(report.warnings.iter().filter(|w| !w.is_shown).map(|w| match (w.code, w.at) {
         (Some(code), _) => format!("warning[{code}]: {}", w.message),
@@ -94,6 +97,20 @@ pub(crate) fn remarks(report: &Report) -> String {
         (None, None) => format!("warning: {}", w.message),
     }));
     lines.iter().map(|line| format!("  {}\n", line.replace('\n', "\n    "))).collect()
+}
+
+/// What was not looked at. Of much the first and the last are told: the last may say that there is more than anyone has listed.
+fn gaps(gaps: &[String]) -> Vec<String> {
+    let told = |gap: &String| format!("not everything was looked at: {gap}");
+    match gaps {
+        [first @ .., last] if gaps.len() > MOST_GAPS => {
+            let (told_ones, more) = first.split_at(MOST_GAPS - 1);
+            let and_so_on =
+                format!("not everything was looked at: {} more like these, which `--format json` lists", more.len());
+            told_ones.iter().map(told).chain([and_so_on, told(last)]).collect()
+        }
+        _ => gaps.iter().map(told).collect(),
+    }
 }
 
 /// A word about a topic of which a part went unseen. Much of it is a warning, which the report has anyway.
