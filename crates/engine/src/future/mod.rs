@@ -351,8 +351,8 @@ impl Graph {
 
     /// Whether position `n`, which is the newest, decided nothing but itself, and others like it would do no more.
     pub fn is_still(&self, futures: &[Future], n: Pos) -> bool {
-        let nodes = self.nodes.iter().zip(futures).zip(&self.decided);
-        nodes.into_iter().all(|((state, node), decided)| state.is_still(node, n, decided))
+        let mut nodes = self.nodes.iter().zip(futures).zip(&self.decided);
+        nodes.all(|((state, node), decided)| state.is_still(node, n, decided))
     }
 
     /// How many runs of undecided positions there are in all.
